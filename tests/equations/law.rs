@@ -61,7 +61,12 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     assert!(json["law"]["members"].as_array().unwrap().iter().any(cubic), "{json:#}");
     let improved = folder.text("improved.toml");
     assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]"), "{improved}");
-    folder.run("simulate --sim improved.toml --set start.q_rad=0.5 --out again.csv").ends(0);
+    // Seen between some angles alone: within them nothing is said, beyond them the first instant outside.
+    assert!(improved.contains("valid = { q_rad = ["), "{improved}");
+    let within = folder.run("simulate --sim improved.toml --set start.q_rad=0.5 --out again.csv").ends(0);
+    assert!(!within.stderr.contains("effect.outside"), "{}", within.stderr);
+    let beyond = folder.run("simulate --sim improved.toml --set start.q_rad=4.0 --out beyond.csv").ends(0);
+    assert!(beyond.stderr.contains("`q_rad` is 4.000 at 0.000 s"), "{}", beyond.stderr);
     let tuned = folder.run("tune --sim improved.toml 0.csv 1.csv 2.csv --json").ends(0).json();
     assert_eq!(tuned["verdict"], "tuned", "{tuned:#}");
 }

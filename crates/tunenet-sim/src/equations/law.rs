@@ -28,7 +28,8 @@ pub(crate) enum Pointing {
 }
 
 impl Quantity {
-    fn value(&self, values: &[f64]) -> f64 {
+    /// Its value, from states and the clock.
+    pub fn value(&self, values: &[f64]) -> f64 {
         match self {
             Self::Slot(slot) => values[*slot],
             Self::Length(states) => length(states, values),

@@ -7,6 +7,8 @@
 //! | file | subject |
 //! |---|---|
 //! | `system` | names, units and completeness of the equations |
+//! | `body` | which states are positions, and coordinates of one body |
+//! | `valid` | ranges in which candidates were seen to hold |
 //! | `parts` | what they are made of |
 //! | `lower` | `sign` and `delay` as names of their own |
 //! | `runge_kutta` | adaptive steps of order 5 with dense output |
@@ -26,6 +28,7 @@
 //!
 //! Instants before the first stamp of a recording, which a fit of a late clock asks for, have the state at that stamp.
 
+pub(crate) mod body;
 mod crossing;
 mod event;
 pub(crate) mod law;
@@ -41,6 +44,7 @@ mod switching;
 mod system;
 #[cfg(test)]
 mod tests;
+pub(crate) mod valid;
 
 use std::ops::Range;
 

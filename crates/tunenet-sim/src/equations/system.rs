@@ -9,17 +9,17 @@ use tunenet_core::observation::Channel;
 use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Program, Unit};
 
 use super::Misfit;
+use super::body::CLOCK;
 use super::law::{LawTerm, Quantity, Reach};
 use super::lower::Lowering;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
+use super::valid;
 use crate::scene::{Candidate, EquationsScene};
 
 /// Most of each: states, events, inputs.
 const MOST: usize = 64;
 /// Most places at which a `sign` jumps.
 const MOST_SURFACES: usize = 64;
-/// The clock of the recording, s.
-const CLOCK: &str = "t_s";
 /// Endings of names that are letters of other things as often as units.
 const AMBIGUOUS: [&str; 7] = ["A", "°C", "C", "J", "K", "V", "W"];
 
@@ -137,6 +137,7 @@ impl System {
         for (number, (name, candidate)) in scene.candidates.iter().enumerate() {
             let own = at..at + candidate.coefficients.len();
             at = own.end;
+            valid::ranges(scene, name, candidate)?;
             candidates.push(adds(&scope, &mut lowering, number, (name, candidate), own)?);
         }
         let Lowering { surfaces, delayed, fixed, count, .. } = lowering;

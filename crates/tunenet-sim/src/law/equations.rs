@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use tunenet_core::Result;
 use tunenet_core::law::{Carried, Direction, Host, Nature, Space, Term, Variable, Visit, Visiting};
-use tunenet_core::observation::{Channel, Circumstances};
+use tunenet_core::observation::Circumstances;
 use tunenet_core::simulator::{Effect, Prepared, Simulator};
 
 use super::visiting::Following;
 use super::{free_name, over};
 use crate::SimulationFile;
+use crate::equations::body::{States, written_length};
 use crate::equations::law::{MOST_VARIABLES, Pointing, Quantity, Reach};
 use crate::observed;
 use crate::observed_equations::equations_of;
@@ -24,36 +25,6 @@ pub struct EquationsHost {
     /// Positions of the states that are the axes, and the unit of what is added to each direction.
     axes: Vec<usize>,
     units: Vec<String>,
-}
-
-/// What is found of the states of a file.
-struct States<'a> {
-    names: Vec<&'a str>,
-    units: Vec<String>,
-    /// Positions of positions and of their rates.
-    pairs: Vec<(usize, usize)>,
-}
-
-impl<'a> States<'a> {
-    fn of(scene: &'a EquationsScene) -> Self {
-        let names: Vec<&str> = scene.states.keys().map(String::as_str).collect();
-        let unit = |(name, state): (&String, &crate::scene::State)| {
-            let ending = || Channel::from_header(name).map(|channel| channel.unit);
-            state.unit.clone().or_else(ending).unwrap_or_else(|| "1".into())
-        };
-        let rate = |name: &&str| {
-            let text = scene.derivatives.get(*name)?.trim();
-            names.iter().position(|other| *other == text)
-        };
-        let pairs = names.iter().enumerate().filter_map(|(i, name)| Some((i, rate(name)?))).collect();
-        Self { units: scene.states.iter().map(unit).collect(), names, pairs }
-    }
-
-    /// Positions whose unit is a length and their rates: coordinates of one body, where there are two or three.
-    fn body(&self) -> Option<Vec<(usize, usize)>> {
-        let lengths: Vec<(usize, usize)> = self.pairs.iter().copied().filter(|(q, _)| self.units[*q] == "m").collect();
-        (2..=3).contains(&lengths.len()).then_some(lengths)
-    }
 }
 
 impl EquationsHost {
@@ -192,10 +163,15 @@ impl Host for EquationsHost {
     }
 }
 
-/// The length of a vector of states as a formula.
-fn written_length(of: &[usize], names: &[&str]) -> String {
-    let squares: Vec<String> = of.iter().map(|i| format!("{}^2", names[*i])).collect();
-    format!("sqrt({})", squares.join(" + "))
+/// The name under which the range of a law's variable stands in a file; the length of a vector is a formula among the law's variables.
+pub(super) fn range_name<'a>(scene: &'a EquationsScene, variable: &str) -> Option<&'a str> {
+    let states = States::of(scene);
+    let written = |quantity: &Quantity| match quantity {
+        Quantity::Slot(_) => None,
+        Quantity::Length(of) => Some(written_length(of, &states.names)),
+    };
+    let is = |(name, quantity): &(&str, Quantity)| *name == variable || written(quantity).is_some_and(|w| w == variable);
+    states.quantities().into_iter().find(is).map(|(name, _)| name)
 }
 
 /// To which derivatives a component of that name adds, and what each addition is multiplied with.

@@ -5,9 +5,11 @@
 //! | `ball` | accelerations of a ball in flight |
 //! | `equations` | what is added to derivatives |
 //! | `written` | a law that was found as a candidate of a simulation file |
+//! | `outside` | where a simulation leaves the range in which it was seen |
 
 mod ball;
 mod equations;
+mod outside;
 mod visiting;
 mod written;
 
@@ -19,6 +21,7 @@ use tunenet_formula::Unit;
 use crate::SimulationFile;
 use crate::simulation_file::Domain;
 
+pub use outside::outside;
 pub use written::written;
 
 /// A host, or a sentence that says why there is no place for a law.

@@ -6,7 +6,7 @@ use tunenet_core::law::{FoundTerm, Member, Number};
 use tunenet_core::simulator::Parameter;
 use tunenet_formats::Result;
 
-use super::equations::expressions;
+use super::equations::{expressions, range_name};
 use super::free_name;
 use crate::SimulationFile;
 use crate::simulation_file::Domain;
@@ -49,11 +49,7 @@ fn tables(file: &SimulationFile, name: &str, law: &Member, term: &FoundTerm) -> 
         if linear.len() > 1 {
             line(&mut text, "per_direction", "[\"a\"]");
         }
-        if !law.valid.is_empty() {
-            let ranges: Vec<String> =
-                law.valid.iter().map(|(name, (low, high))| format!("{name} = [{low:?}, {high:?}]")).collect();
-            line(&mut text, "valid", &format!("{{ {} }}", ranges.join(", ")));
-        }
+        valid(&mut text, law.valid.iter().map(|(name, range)| (name.as_str(), *range)));
     } else {
         line(&mut text, "acts", "\"joint\"");
         let scene = file.equations()?;
@@ -71,6 +67,8 @@ fn tables(file: &SimulationFile, name: &str, law: &Member, term: &FoundTerm) -> 
         for (state, formula) in adds {
             line(&mut text, &format!("adds.{state}"), &format!("\"{formula}\""));
         }
+        let named = law.valid.iter().filter_map(|(name, range)| Some((range_name(scene, name)?, *range)));
+        valid(&mut text, named);
     }
     let bounds: Vec<(f64, f64)> = term.carried.effect.coefficients.iter().map(|c| (c.min, c.max)).collect();
     for (i, number) in term.numbers.iter().enumerate() {
@@ -103,6 +101,16 @@ fn tables(file: &SimulationFile, name: &str, law: &Member, term: &FoundTerm) -> 
         line(&mut text, &number.key, &value(number));
     }
     Ok(text)
+}
+
+/// The ranges in which it was seen, to six digits.
+fn valid<'a>(text: &mut String, ranges: impl Iterator<Item = (&'a str, (f64, f64))>) {
+    let short = |value: f64| format!("{value:.5e}").parse().unwrap_or(value);
+    let each: Vec<String> =
+        ranges.map(|(name, (low, high))| format!("{name} = [{:?}, {:?}]", short(low), short(high))).collect();
+    if !each.is_empty() {
+        line(text, "valid", &format!("{{ {} }}", each.join(", ")));
+    }
 }
 
 fn value(number: &Number) -> String {

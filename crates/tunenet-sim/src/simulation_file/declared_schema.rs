@@ -142,6 +142,11 @@ impl Declares {
         matches!(self, Self::Ball | Self::Arm | Self::Robot)
     }
 
+    /// Whether candidates may state where they were seen to hold.
+    fn takes_ranges(self) -> bool {
+        self.formulas() || self == Self::Equations
+    }
+
     /// Whether a built-in effect bears this name.
     pub(super) fn is_built_in(self, name: &str) -> bool {
         self.built_in().iter().any(|known| known == name)
@@ -204,7 +209,7 @@ impl Declares {
             ["effects", name] if is_name(name) && !self.is_built_in(name) && is_name(last) => {
                 Some(if *last == "tune" { TUNE } else { NUMBER })
             }
-            ["candidates", name, "valid"] if self.formulas() && is_name(name) && is_name(last) => Some(RANGE),
+            ["candidates", name, "valid"] if self.takes_ranges() && is_name(name) && is_name(last) => Some(RANGE),
             _ if self == Self::Equations && is_name(last) && self.named(table).is_some() => self.named(table),
             _ => self.keys(table)?.into_iter().find(|key| key.path == *last).cloned(),
         }
@@ -217,7 +222,7 @@ impl Declares {
             [head] => self.heads().contains(&head),
             ["effects", name] => is_name(name) && !self.is_built_in(name),
             ["candidates", name, "coefficients"] => is_name(name),
-            ["candidates", name, "valid"] => self.formulas() && is_name(name),
+            ["candidates", name, "valid"] => self.takes_ranges() && is_name(name),
             _ if self.named(&parts).is_some() => true,
             _ => self.keys(&parts).is_some(),
         }

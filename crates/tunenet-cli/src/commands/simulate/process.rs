@@ -4,13 +4,13 @@ use anyhow::Result;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, predict};
 use tunenet_core::{Error, Origin};
-use tunenet_sim::{Session, SimulationFile, observed};
+use tunenet_sim::{Session, SimulationFile, law, observed};
 
 use super::super::refusal::{self, Asked};
 use crate::args::Simulate;
 use crate::commands::load::{Driven, inputs};
 use crate::files::names;
-use crate::view::text::warn;
+use crate::view::text::{warn, warn_all};
 
 /// What recordings of it would hold, each under the name of the recording that it is driven as.
 pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -> Result<Vec<(String, Observation)>> {
@@ -38,6 +38,8 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     session.settle()?;
     let values =
         values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or_else(|| error.into()))?;
+    let recorded: Vec<&Observation> = driven.recordings.iter().map(|(_, recording)| &recording.observation).collect();
+    warn_all(&law::outside(&driven.setups.files(), &recorded)?);
     let names = driven.recordings.iter().map(|(name, _)| name.clone());
     let each = names.zip(prepared.iter().zip(values));
     each.map(|(name, (prepared, values))| Ok((name, inputs::with_columns(file, &prepared.seen.with_values(values)?)?)))

@@ -1,0 +1,56 @@
+//! Where a simulation of equations leaves the range in which an effect of its file was seen to hold.
+
+use tunenet_core::observation::{Note, Observation};
+use tunenet_core::simulator::{Preparation, Simulator};
+use tunenet_formats::Result;
+
+use crate::equations::valid::{Range, left, ranges};
+use crate::observed_equations::equations_of;
+use crate::{SimulationFile, findings};
+
+/// A warning for every effect of equations that a simulation of these recordings takes out of its range; none of another kind of file.
+/// `files` has a file for each setup of the recordings.
+///
+/// # Errors
+/// Where the files hold no simulator, or it refuses its own values.
+pub fn outside(files: &[&SimulationFile], recordings: &[&Observation]) -> Result<Vec<Note>> {
+    let Ok(scene) = files[0].equations() else { return Ok(Vec::new()) };
+    let mut acting: Vec<(String, Vec<Range>)> = Vec::new();
+    for effect in files[0].effects() {
+        let Some(candidate) = scene.candidates.get(&effect.name) else { continue };
+        let ranges = ranges(scene, &effect.name, candidate).unwrap_or_default();
+        if !ranges.is_empty() {
+            acting.push((effect.name.clone(), ranges));
+        }
+    }
+    if acting.is_empty() {
+        return Ok(Vec::new());
+    }
+    let simulator = equations_of(files, &|_, system| system.showing_states())?;
+    let parameters: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let mut notes = Vec::new();
+    for recording in recordings {
+        let Preparation::Usable(prepared) = simulator.prepare(recording)? else { continue };
+        let clock = prepared.seen.clock();
+        let mut states = vec![0.0; clock.len() * scene.states.len()];
+        let known = prepared.circumstances.as_deref().cloned().unwrap_or_default();
+        let run =
+            simulator.rollout_driven(&parameters, &prepared.nuisance_values(), &known, clock, &mut states);
+        // What cannot be simulated is reported by the simulation itself.
+        if run.is_err() {
+            continue;
+        }
+        acting.retain(|(name, ranges)| {
+            let Some(left) = left(ranges, clock, &states) else { return true };
+            let (low, high) = left.range;
+            let text = format!(
+                "`{}` is {:.3} at {:.3} s; the formula of `{name}` was seen to hold from {low} to {high}",
+                left.name, left.value, left.time_s
+            );
+            let remedy = "rely on it within the range only, or record there and diagnose again";
+            notes.push(Note::new(findings::EFFECT_OUTSIDE, text, remedy));
+            false
+        });
+    }
+    Ok(notes)
+}
