@@ -9,6 +9,7 @@ use super::motion::Motion;
 use super::runge_kutta::Stepper;
 use super::signal::Signal;
 use super::system::System;
+use super::undefined::undefined;
 
 /// Most evaluations of all derivatives in a rollout, and further ones for each break of an input.
 const MOST_EVALUATIONS: usize = 200_000;
@@ -255,10 +256,24 @@ impl<'a> Rollout<'a> {
             return Ok(());
         };
         let name = &self.motion.system.states[i];
-        Err(format!("`{name}` grows beyond all bounds at {} s", self.time()))
+        Err(self.at_part().unwrap_or_else(|| format!("`{name}` grows beyond all bounds at {} s", self.time())))
+    }
+
+    /// The part of a derivative that has no finite value here, where there is one.
+    fn at_part(&self) -> Option<String> {
+        let system = self.motion.system;
+        let mut values = self.motion.values.clone();
+        values[..self.stepper.y.len()].copy_from_slice(&self.stepper.y);
+        let named = system.states.iter().zip(system.written.iter());
+        let found = named.filter_map(|(state, formula)| Some((state, undefined(formula, &values)?))).next();
+        let (state, part) = found?;
+        Some(format!("`{part}` in `derivatives.{state}` grows beyond all bounds at {} s", self.time()))
     }
 
     fn stuck(&self, why: &str) -> String {
+        if let Some(sentence) = self.at_part() {
+            return sentence;
+        }
         format!("`{}` {why} at {} s", self.motion.system.states[self.stepper.fastest()], self.time())
     }
 

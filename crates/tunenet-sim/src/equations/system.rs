@@ -57,6 +57,8 @@ pub struct System {
     pub(super) slots: Slots,
     pub(super) constants: Vec<f64>,
     pub(super) derivatives: Vec<Program>,
+    /// The derivatives as they were written, for messages.
+    pub(super) written: Arc<[Formula]>,
     pub(super) outputs: Vec<Program>,
     pub(super) candidates: Vec<Adds>,
     /// Terms of a law that is searched; their numbers follow the coefficients of the candidates.
@@ -93,10 +95,11 @@ impl System {
         complete(scene)?;
         let mut lowering = Lowering::new(&scope.slots);
         let states: Vec<String> = scene.states.keys().cloned().collect();
-        let mut derivatives = Vec::with_capacity(states.len());
+        let (mut derivatives, mut written) = (Vec::with_capacity(states.len()), Vec::with_capacity(states.len()));
         for (name, text) in scene.states.keys().map(|name| (name, &scene.derivatives[name])) {
             let formula = scope.parse(&format!("derivatives.{name}"), text, scope.per_second(name), None)?;
             derivatives.push(lowering.lower(&format!("derivatives.{name}"), &formula, None, None)?.program);
+            written.push(formula);
         }
         let (mut outputs, mut outputs_switch) = (Vec::new(), false);
         for header in scene.headers() {
@@ -154,6 +157,7 @@ impl System {
             slots: Slots { count, ..scope.slots },
             constants: scene.constants.values().copied().collect(),
             derivatives,
+            written: written.into(),
             outputs,
             candidates,
             laws: Vec::new(),
