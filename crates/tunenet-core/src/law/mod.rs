@@ -18,10 +18,12 @@
 //! | `second` | a second term |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
+//! | `alone` | which laws a law has to surpass before it stands alone |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `answer` | what a search ends with |
 
 mod ahead;
+mod alone;
 mod answer;
 mod around;
 mod evidence;
@@ -148,8 +150,7 @@ fn conclude(
     answer: &mut Answer,
 ) -> Result<()> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    let near = laws.into_iter().filter(|law| law.bic >= best - settings.margin - UNFINISHED);
-    let near = near.map(|law| {
+    let near = alone::near(session, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
         // Beyond the share of the search laws stand as they were fitted so far, and none alone.
         if !session.within() {
             session.short.store(true, Ordering::Relaxed);
@@ -168,13 +169,14 @@ fn conclude(
     let mut judged = 0;
     let mut second = false;
     let mut same = false;
+    let mut members: Vec<(Law, Member)> = Vec::new();
     for laws in [needed, needless] {
         // What explains no more than a law that it holds says something only where that one fails, and then not alone.
-        if !answer.members.is_empty() {
+        if !members.is_empty() {
             break;
         }
         second = judged > 0;
-        for law in laws.into_iter().filter(|law| law.bic >= best - settings.margin) {
+        for law in alone::near(session, laws, best, settings.margin) {
             if judged == MOST_JUDGED || judged > 0 && session.log.count() >= most {
                 short = true;
                 break;
@@ -185,7 +187,7 @@ fn conclude(
             match gates.failed() {
                 None => {
                     same |= known.is_some_and(|known| known.is(&law));
-                    answer.members.push(member);
+                    members.push((law, member));
                 }
                 Some(gate) => {
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
@@ -194,6 +196,7 @@ fn conclude(
             }
         }
     }
+    answer.members = alone::merged(members).into_iter().map(|(_, member)| member).collect();
     // ... and where no test refuses one that explains the fitted recordings better: then one of them is not what it seems.
     let ahead_of = |member: &Member| answer.refused.iter().find(|refused| second || refused.bic_gain > member.bic_gain);
     let refused = answer.members.first().and_then(ahead_of).map(|refused| refused.gate);

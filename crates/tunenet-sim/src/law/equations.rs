@@ -170,7 +170,8 @@ pub(super) fn range_name<'a>(scene: &'a EquationsScene, variable: &str) -> Optio
         Quantity::Slot(_) => None,
         Quantity::Length(of) => Some(written_length(of, &states.names)),
     };
-    let is = |(name, quantity): &(&str, Quantity)| *name == variable || written(quantity).is_some_and(|w| w == variable);
+    let is =
+        |(name, quantity): &(&str, Quantity)| *name == variable || written(quantity).is_some_and(|w| w == variable);
     states.quantities().into_iter().find(is).map(|(name, _)| name)
 }
 

@@ -34,8 +34,7 @@ pub fn outside(files: &[&SimulationFile], recordings: &[&Observation]) -> Result
         let clock = prepared.seen.clock();
         let mut states = vec![0.0; clock.len() * scene.states.len()];
         let known = prepared.circumstances.as_deref().cloned().unwrap_or_default();
-        let run =
-            simulator.rollout_driven(&parameters, &prepared.nuisance_values(), &known, clock, &mut states);
+        let run = simulator.rollout_driven(&parameters, &prepared.nuisance_values(), &known, clock, &mut states);
         // What cannot be simulated is reported by the simulation itself.
         if run.is_err() {
             continue;
