@@ -2,14 +2,19 @@
 
 use std::path::Path;
 
+use crate::csv::columns::found;
 use crate::findings;
 use crate::proposal::proposal;
 use crate::quantity::Quantity;
+use crate::ranges::written_out;
 use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
 use crate::units::{self, ACTION};
 use crate::{Error, Result, shell_word};
 use tunenet_core::observation::plain;
+
+/// What `--units` says of a plain number, which has the unit that `--columns` gives it.
+const PLAIN: &str = "1";
 
 /// The columns of an episode under their units.
 pub(crate) struct Unstated {
@@ -22,39 +27,37 @@ pub(crate) struct Unstated {
 }
 
 impl Unstated {
-    /// Columns of these names, as `options` say that they are read.
+    /// Columns of these names behind the one that is called `clock`, as `options` say that they are read.
     ///
     /// # Errors
-    /// [`Setting`](tunenet_core::Error::Setting) where `--units` names a column that is not there.
-    pub fn of(names: &[String], options: &ReadOptions) -> Result<Self> {
+    /// [`Setting`](tunenet_core::Error::Setting) where `--units` names a column that is not there, or a range in `--columns` is none.
+    pub fn of(clock: &str, names: &[String], options: &ReadOptions) -> Result<Self> {
         units::refuse_unused(&options.units, names)?;
-        let bare = |theirs: &str| theirs.strip_prefix('-').unwrap_or(theirs).to_owned();
+        let all: Vec<&str> = std::iter::once(clock).chain(names.iter().map(String::as_str)).collect();
+        // The channels of a custom simulator have no ranges.
+        let pairs =
+            if options.channels.is_empty() { written_out(&options.columns, &all)? } else { options.columns.clone() };
+        // A column may be named by its number, so its place counts and not how it is written.
+        let place = |theirs: &str| found(theirs, &all).and_then(|(column, _)| column.checked_sub(1));
+        let mapped: Vec<usize> = pairs.iter().filter_map(|(_, theirs)| place(theirs)).collect();
         let named = |name: &str| options.others.iter().any(|other| other.name == name);
-        let mapped = |name: &str| named(name) || options.columns.iter().any(|(_, theirs)| bare(theirs) == name);
         let (mut headers, mut factors) = (Vec::new(), Vec::new());
-        for name in names {
-            match units::rule(&options.units, name).map(units::own) {
+        for (at, name) in names.iter().enumerate() {
+            let rule = units::rule(&options.units, name).map(units::own);
+            headers.push(match rule {
                 // A column that is mapped is looked for by its own name.
-                Some((factor, "1")) => {
-                    headers.push(name.clone());
-                    factors.push(Some(factor));
-                }
-                Some((factor, unit)) => {
-                    headers.push(if mapped(name) { name.clone() } else { format!("{name}_{unit}") });
-                    factors.push(Some(factor));
-                }
-                None => {
-                    headers.push(name.clone());
-                    factors.push(None);
-                }
-            }
+                Some((_, unit)) if unit != PLAIN && !named(name) && !mapped.contains(&at) => format!("{name}_{unit}"),
+                _ => name.clone(),
+            });
+            factors.push(rule.map(|(factor, _)| factor));
         }
-        let stated = |theirs: &str| {
-            let at = names.iter().position(|name| *name == bare(theirs));
-            at.is_some_and(|at| factors[at].is_some())
+        let converted = |theirs: &str| {
+            let rule = place(theirs).and_then(|at| units::rule(&options.units, &names[at]));
+            rule.is_some_and(|rule| rule.unit != PLAIN)
         };
-        let columns = options.columns.iter().map(|(ours, theirs)| {
-            (if stated(theirs) { units::in_own_unit(ours) } else { ours.clone() }, theirs.clone())
+        let columns = pairs.into_iter().map(|(ours, theirs)| {
+            let ours = if converted(&theirs) { units::in_own_unit(&ours) } else { ours };
+            (ours, theirs)
         });
         let options = ReadOptions { columns: columns.collect(), ..options.clone() };
         Ok(Self { names: names.to_vec(), headers, factors, options })
@@ -123,5 +126,43 @@ impl Unstated {
         let bare =
             |name: &String| is(name) || name.strip_prefix(ACTION).is_some_and(|joint| is(&format!("action_{joint}")));
         self.names.iter().enumerate().filter(|(_, name)| bare(name)).map(|(i, _)| i).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::UnitRule;
+
+    /// One reading of 180 in each of the columns `a0` and `a1`, as `--units` and `--columns` say.
+    fn read(units: &str, columns: &[(&str, &str)]) -> Result<Vec<f64>> {
+        let names = ["a0".to_owned(), "a1".to_owned()];
+        let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        let units = units.split(',').map(|rule| UnitRule::parse(rule).unwrap()).collect();
+        let unstated = Unstated::of("t_s", &names, &ReadOptions { columns, units, ..ReadOptions::default() })?;
+        let row = |time: f64| [time, unstated.value(0, 180.0), unstated.value(1, 180.0)];
+        let names = std::iter::once("t_s".to_owned()).chain(unstated.headers().iter().cloned()).collect();
+        let sheet = Sheet { names, values: [0.0, 1.0, 2.0].map(row).concat(), unnamed: false };
+        let found = unstated.recording(Path::new("a"), &sheet, &|_| Vec::new())?;
+        Ok(found.observation.row(0).to_vec())
+    }
+
+    #[test]
+    fn a_unit_is_converted_once_however_the_column_is_named() {
+        let half = std::f64::consts::PI;
+        for theirs in ["a0", "2"] {
+            assert_eq!(read("a0=deg,a1=deg", &[("q1_deg", theirs)]).unwrap(), [half], "{theirs}");
+            assert_eq!(read("a0=deg,a1=deg", &[("q1_rad", theirs)]).unwrap(), [half], "{theirs}");
+        }
+        assert_eq!(read("a0=deg,a1=deg", &[("q1_deg", "-3")]).unwrap(), [-half]);
+        for theirs in ["a*", "2..3"] {
+            assert_eq!(read("deg", &[("q1..2_deg", theirs)]).unwrap(), [half, half], "{theirs}");
+        }
+    }
+
+    #[test]
+    fn a_plain_number_has_the_unit_of_its_mapping() {
+        assert_eq!(read("1", &[("q1_deg", "a0")]).unwrap(), [std::f64::consts::PI]);
+        assert_eq!(read("1", &[("q1_rad", "a0")]).unwrap(), [180.0]);
     }
 }

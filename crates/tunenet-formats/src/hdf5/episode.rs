@@ -44,12 +44,12 @@ impl Demonstrations {
             },
         };
         let names: Vec<String> = others.iter().map(|i| columns.names[*i].clone()).collect();
-        let unstated = Unstated::of(&names, options)?;
+        let clock_name = if rate.is_some() { "t_s".to_owned() } else { columns.names[clocks[0]].clone() };
+        let unstated = Unstated::of(&clock_name, &names, options)?;
         let clock: Vec<f64> = match rate {
             Some(rate) => (0..columns.rows).map(|row| row as f64 / rate).collect(),
             None => columns.numbers[clocks[0]].clone(),
         };
-        let clock_name = if rate.is_some() { "t_s".to_owned() } else { columns.names[clocks[0]].clone() };
         let row = |row: usize| {
             let numbers = others.iter().enumerate().map(move |(at, i)| (at, *i));
             let value = |(at, i): (usize, usize)| unstated.value(at, columns.numbers[i][row]);

@@ -34,7 +34,7 @@ impl DataSet {
         let frames = self.frames(name)?;
         let (clock, note) = self.clock(&frames, path)?;
         let mut notes: Vec<Note> = note.into_iter().chain(still(&frames)).collect();
-        let unstated = Unstated::of(&frames.names, options)?;
+        let unstated = Unstated::of("t_s", &frames.names, options)?;
         let width = frames.names.len();
         let rows = clock.iter().zip(frames.values.chunks_exact(width.max(1)));
         let row = |(time, row): (&f64, &[f64])| -> Vec<f64> {
