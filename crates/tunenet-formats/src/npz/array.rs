@@ -54,6 +54,9 @@ impl Array {
         let count = rows.checked_mul(width).filter(|count| *count <= MOST_NUMBERS && width <= WIDEST);
         let count = count
             .ok_or_else(|| format!("expected at most {MOST_NUMBERS} numbers in {WIDEST} columns, found {shape:?}"))?;
+        if width == 0 {
+            return Err(format!("expected at least one column, found the shape {shape:?}"));
+        }
         if !names.is_empty() && !flat {
             return Err("expected a list of records, found rows of them".into());
         }

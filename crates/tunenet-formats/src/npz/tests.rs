@@ -86,10 +86,25 @@ fn broken_arrays_say_what_is_wrong() {
         refused(array("'<f8'", false, "(3, 2)", &[0; 8])).contains("the array is cut off: expected 6 numbers, found 0")
     );
     assert!(refused(array("'<f8'", false, "(999999999999, 2)", &[])).contains("expected at most 40000000 numbers"));
+    // No row of it takes a byte, so that it may promise any number of them.
+    for fortran in [false, true] {
+        let empty = array("'<f8'", fortran, "(18446744073709551615, 0)", &[]);
+        assert!(refused(empty).contains("expected at least one column, found the shape [18446744073709551615, 0]"));
+    }
     assert!(refused(array("'<c16'", false, "(3,)", &[])).contains("found the type `<c16`"));
     assert!(refused(array("'<f8'", false, "(3, 2, 2)", &[])).contains("found 3 dimensions"));
     assert!(refused(array("'O'", false, "(3,)", &[])).contains("expected numbers, found the type `O`"));
     assert!(refused(b"\x93NUMPY".to_vec()).contains("the array is cut off"));
+    let rows = doubles(&[0.0, 1.0, 2.0]);
+    let column = |name: &'static str| (name, array("'<f8'", false, "(3,)", &rows));
+    let bytes = archive(&[
+        column("t_s.npy"),
+        column("z_m.npy"),
+        ("a.npy", array("'<f8'", false, "(18446744073709551615, 0)", &[])),
+        ("b.npy", array("'<f8'", false, "(18446744073709551615, 0)", &[])),
+    ]);
+    let (_folder, path) = file("a.npz", bytes);
+    assert_eq!(read(&path, &ReadOptions::default()).unwrap().observation.len(), 3);
     let (_folder, path) = file("a.npz", &archive(&[("z.npy", array("'<f8'", false, "(3,)", &[0; 24]))])[..60]);
     assert!(read(&path, &ReadOptions::default()).is_err());
 }
