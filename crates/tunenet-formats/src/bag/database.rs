@@ -136,10 +136,14 @@ impl Database {
     }
 
     /// The definitions of types that the bag holds, by their names: language and text. Bags before version 4 hold none.
-    pub fn definitions(&self) -> Result<BTreeMap<String, (String, String)>> {
-        let failed = |e: rusqlite::Error| {
-            Error::file(&self.path, format!("the message definitions of the bag cannot be read: {e}"), NO_BAG)
+    ///
+    /// # Errors
+    /// [`Error::File`] where one cannot be read, or they have more than `most` bytes together.
+    pub fn definitions(&self, most: usize) -> Result<BTreeMap<String, (String, String)>> {
+        let refuse = |what: String| {
+            Error::file(&self.path, format!("the message definitions of the bag cannot be read: {what}"), NO_BAG)
         };
+        let failed = |e: rusqlite::Error| refuse(e.to_string());
         let columns = self.columns("message_definitions").map_err(failed)?;
         let needed = ["topic_type", "encoding", "encoded_message_definition"];
         if !needed.iter().all(|name| columns.iter().any(|column| column == name)) {
@@ -147,9 +151,18 @@ impl Database {
         }
         let text = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions";
         let mut statement = self.connection.prepare(text).map_err(failed)?;
-        let one = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, (row.get(1)?, row.get(2)?)));
-        let found = statement.query_map([], one).map_err(failed)?;
-        found.collect::<rusqlite::Result<_>>().map_err(failed)
+        let mut rows = statement.query([]).map_err(failed)?;
+        let (mut all, mut left) = (BTreeMap::new(), most);
+        while let Some(row) = rows.next().map_err(failed)? {
+            let text = |at: usize| row.get_ref(at).map_err(failed)?.as_str().map_err(|e| refuse(e.to_string()));
+            let (name, language, definition) = (text(0)?, text(1)?, text(2)?);
+            // A line without a text counts as well.
+            let bytes = name.len() + language.len() + definition.len() + 1;
+            left =
+                left.checked_sub(bytes).ok_or_else(|| refuse(format!("expected at most {most} bytes, found more")))?;
+            all.insert(name.to_owned(), (language.to_owned(), definition.to_owned()));
+        }
+        Ok(all)
     }
 
     /// What wrote the bag, as far as it says so: its version of the format, and the distribution of ROS.

@@ -17,8 +17,8 @@ use rusqlite::types::ValueRef;
 
 use self::database::Database;
 pub(crate) use self::unpacked::{Unpacked, unpacked};
-use crate::ros::channel::{ChannelInfo, RawMessage};
-use crate::ros::decoder::Described;
+use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
+use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;
 use crate::shown::counted;
 use crate::{Error, Result};
@@ -56,8 +56,8 @@ impl Messages {
     /// broken, and says how many messages came before.
     pub fn open(path: &Path, given: &Given) -> Result<Self> {
         let database = Database::open(path)?;
-        let definitions = database.definitions()?;
-        let (mut channels, mut numbers) = (Vec::new(), BTreeMap::new());
+        let definitions = database.definitions(MOST_DEFINITIONS)?;
+        let (mut channels, mut numbers, mut known) = (Vec::new(), BTreeMap::new(), Decoders::new());
         for topic in database.topics(MOST_TOPICS)? {
             let (schema_encoding, definition) =
                 definitions.get(&topic.schema).map_or(("", ""), |(encoding, text)| (encoding.as_str(), text.as_str()));
@@ -69,7 +69,7 @@ impl Messages {
             };
             let number = u16::try_from(channels.len()).unwrap_or(u16::MAX);
             numbers.insert(topic.id, channels.len());
-            channels.push(Arc::new(ChannelInfo::new(number, topic.name, described, given)));
+            channels.push(Arc::new(ChannelInfo::new(number, topic.name, described, given, &mut known)));
         }
         let library = database.library();
         let (path, last) = (path.to_owned(), (i64::MIN, i64::MIN));

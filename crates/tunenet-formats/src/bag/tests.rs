@@ -176,3 +176,18 @@ fn other_databases_empty_bags_and_broken_ones_say_what_they_are() {
     let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
     assert_eq!(message, "a.db3: expected a bag of ROS 2 in SQLite, found an empty one");
 }
+
+#[test]
+fn definitions_of_implausible_length_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.db3");
+    let bag = Connection::open(&path).unwrap();
+    fill(&bag, SCHEMA_3, &[ball(1, 0, 10)]);
+    let table = "CREATE TABLE message_definitions(topic_type TEXT, encoding TEXT, encoded_message_definition TEXT);
+        WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 20)
+        INSERT INTO message_definitions SELECT 'a/T' || i, 'ros2msg', hex(zeroblob(524288)) FROM n;";
+    bag.execute_batch(table).unwrap();
+    drop(bag);
+    let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
+    assert!(message.ends_with("expected at most 16777216 bytes, found more"), "{message}");
+}

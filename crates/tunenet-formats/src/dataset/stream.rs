@@ -130,6 +130,11 @@ fn broken(path: &Path, fault: Fault) -> Error {
             "expected a dataset, found chunks that unpack to implausibly many bytes",
             "write the file again",
         ),
+        Fault::Definitions => Error::file(
+            path,
+            "expected a dataset, found message definitions of implausible length",
+            "write the file again",
+        ),
         Fault::Format(error) => mcap_error(path, Action::Reading, error),
     }
 }

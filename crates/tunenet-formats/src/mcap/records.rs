@@ -4,6 +4,7 @@
 //! that was cut off gives every message up to the cut.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,8 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, records::op};
 
 use super::whole_chunks::{PIECE, WholeChunks};
-use crate::ros::channel::{ChannelInfo, RawMessage};
-use crate::ros::decoder::Described;
+use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
+use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;
 use crate::shown::{counted, shell_word};
 use crate::source::open;
@@ -48,6 +49,10 @@ pub(crate) struct Messages {
     reader: LinearReader,
     /// The name, the language and the text of each schema.
     schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
+    /// Bytes of schemas that may still come.
+    definitions_left: usize,
+    /// How messages of each schema are read.
+    decoders: BTreeMap<u16, Decoders>,
     /// Definitions of types that the file does not define.
     given: Vec<(String, String)>,
     channels: BTreeMap<u16, Arc<ChannelInfo>>,
@@ -88,6 +93,8 @@ fn messages_within(path: &Path, longest: usize, unpacked: u64) -> Result<Message
         file: WholeChunks::new(file),
         reader: LinearReader::new_with_options(options),
         schemas: BTreeMap::new(),
+        definitions_left: MOST_DEFINITIONS,
+        decoders: BTreeMap::new(),
         given: Vec::new(),
         channels: BTreeMap::new(),
         library: String::new(),
@@ -157,6 +164,7 @@ impl Messages {
                 "record with zstd, lz4 or uncompressed chunks".into()
             }
             Fault::Growth => "record again: such chunks hold next to nothing but zeros".to_owned(),
+            Fault::Definitions => "record only the topics that are needed".to_owned(),
             _ if self.count == 0 => "copy the recording again".to_owned(),
             _ => format!(
                 "try `mcap recover {} -o recovered.mcap`, which keeps what can be read; `mcap` is the command-line tool of \
@@ -171,6 +179,9 @@ impl Messages {
                 format!(
                     "its chunks unpack to more than {MOST_GROWTH} times its size and more than {MOST_UNPACKED} bytes"
                 )
+            }
+            Fault::Definitions => {
+                format!("expected at most {MOST_DEFINITIONS} bytes of message definitions, found more")
             }
             Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
             Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),
@@ -187,27 +198,39 @@ impl Messages {
         Error::file(&self.path, format!("{what}: {} could be read before", counted(self.count, "message")), hint)
     }
 
+    /// A channel as its record and its schema describe it.
+    fn channel(&mut self, record: &mcap::records::Channel) -> ChannelInfo {
+        let schema = self.schemas.get(&record.schema_id);
+        let (schema_name, schema_encoding, definition) =
+            schema.map_or(("", "", &[][..]), |(name, encoding, text)| (name, encoding, text));
+        let message_encoding = &record.message_encoding;
+        let described = Described { message_encoding, schema_name, schema_encoding, definition };
+        let known = self.decoders.entry(record.schema_id).or_default();
+        ChannelInfo::new(record.id, record.topic.clone(), described, &self.given, known)
+    }
+
     /// Takes in one record; returns it where it is a message.
-    fn take(&mut self, record: Record<'static>) -> std::result::Result<Option<RawMessage>, McapError> {
+    fn take(&mut self, record: Record<'static>) -> std::result::Result<Option<RawMessage>, Fault> {
         match record {
             Record::Header(header) => (self.profile, self.library) = (header.profile, header.library),
             Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
+                // The summary at the end repeats every schema, and the first one of a number counts.
+                if let Entry::Vacant(new) = self.schemas.entry(header.id) {
+                    let left = self.definitions_left.checked_sub(data.len() + header.name.len());
+                    self.definitions_left = left.ok_or(Fault::Definitions)?;
+                    new.insert((header.name, header.encoding, data.into_owned()));
+                }
             }
             Record::Channel(channel) => {
-                // The summary at the end repeats every channel.
-                let (given, schema) = (&self.given, self.schemas.get(&channel.schema_id));
-                self.channels.entry(channel.id).or_insert_with(|| {
-                    let (schema_name, schema_encoding, definition) =
-                        schema.map_or(("", "", &[][..]), |(name, encoding, text)| (name, encoding, text));
-                    let message_encoding = &channel.message_encoding;
-                    let described = Described { message_encoding, schema_name, schema_encoding, definition };
-                    Arc::new(ChannelInfo::new(channel.id, channel.topic.clone(), described, given))
-                });
+                // The summary repeats every channel, too.
+                if !self.channels.contains_key(&channel.id) {
+                    let info = self.channel(&channel);
+                    self.channels.insert(channel.id, Arc::new(info));
+                }
             }
             Record::Message { header, data } => {
                 let Some(channel) = self.channels.get(&header.channel_id) else {
-                    return Err(McapError::UnknownChannel(header.sequence, header.channel_id));
+                    return Err(McapError::UnknownChannel(header.sequence, header.channel_id).into());
                 };
                 self.count += 1;
                 return Ok(Some(RawMessage {
@@ -231,6 +254,8 @@ pub(crate) enum Fault {
     Overrun,
     /// The chunks unpack to implausibly many bytes.
     Growth,
+    /// The definitions of its types are implausibly long.
+    Definitions,
     /// Anything else that the format does not allow.
     Format(McapError),
 }
@@ -269,5 +294,31 @@ mod tests {
         let (message, hint) = error_text(&refused);
         assert!(message.starts_with("a.mcap: its chunks unpack to more than 64 times its size"), "{message}");
         assert!(hint.starts_with("record again"), "{hint}");
+    }
+
+    /// Schemas of a megabyte each, which shrink to nearly nothing.
+    #[test]
+    fn definitions_of_implausible_length_are_refused() {
+        let text = " ".repeat(1 << 20);
+        let mut bytes = Vec::new();
+        let options = mcap::WriteOptions::new().compression(Some(mcap::Compression::Zstd)).compression_threads(0);
+        let mut writer = options.create(std::io::Cursor::new(&mut bytes)).unwrap();
+        for number in 0..20 {
+            let schema = writer.add_schema(&format!("a/{number}"), "ros2msg", text.as_bytes()).unwrap();
+            let channel = writer.add_channel(schema, &format!("/{number}"), "cdr", &BTreeMap::new()).unwrap();
+            let header =
+                mcap::records::MessageHeader { channel_id: channel, sequence: 0, log_time: 0, publish_time: 0 };
+            writer.write_to_known_channel(&header, &[0; 8]).unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        let (_folder, path) = file("a.mcap", &bytes);
+        let refused = messages(&path).unwrap().find_map(Result::err).unwrap();
+        let (message, hint) = error_text(&refused);
+        assert!(
+            message.contains("expected at most 16777216 bytes of message definitions, found more: 15"),
+            "{message}"
+        );
+        assert_eq!(hint, "record only the topics that are needed");
     }
 }

@@ -1,5 +1,6 @@
 //! The channels of a log, and their messages before they are decoded.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::decoder::{Decoder, Described};
@@ -20,12 +21,19 @@ pub(crate) struct ChannelInfo {
 }
 
 impl ChannelInfo {
-    /// A channel whose messages are of the type that is `described`; `given` defines what the log does not.
-    pub fn new(id: u16, topic: String, described: Described<'_>, given: &Given) -> Self {
-        let (message_encoding, schema_name) = (described.message_encoding.into(), described.schema_name.into());
-        Self { id, topic, message_encoding, schema_name, decoder: Decoder::of(described, given) }
+    /// A channel whose messages are of the type that is `described`; `given` defines what the log does not. `known` are the decoders
+    /// of the channels before.
+    pub fn new(id: u16, topic: String, described: Described<'_>, given: &Given, known: &mut Decoders) -> Self {
+        let (message_encoding, schema_name) = (described.message_encoding.to_owned(), described.schema_name.to_owned());
+        let decoder = known.entry((message_encoding.clone(), schema_name.clone()));
+        let decoder = decoder.or_insert_with(|| Decoder::of(described, given)).clone();
+        Self { id, topic, message_encoding, schema_name, decoder }
     }
 }
+
+/// How messages are read, by their encoding and the name of their type. Many channels may have the same type, and a definition takes
+/// several times its bytes once it is read.
+pub(crate) type Decoders = BTreeMap<(String, String), std::result::Result<Decoder, Unread>>;
 
 /// One message, not decoded.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,6 +9,10 @@ use super::{cdr, json};
 /// Longest definition that is read, in bytes.
 const LONGEST_DEFINITION: usize = 1 << 20;
 
+/// Most bytes of all definitions of types in a log: those of a robot's topics have some hundred thousand. What is read of them takes
+/// several times as much memory.
+pub(crate) const MOST_DEFINITIONS: usize = 16 << 20;
+
 /// How the messages of a channel are decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Decoder {
