@@ -110,3 +110,19 @@ pub(crate) fn made(
 pub(crate) fn ball(count: u32) -> Made {
     made("/ball/point", "geometry_msgs/msg/PointStamped", count, point)
 }
+
+/// Rewrites the end of a Parquet file so that its first group says that it has so many rows.
+#[cfg(feature = "logs")]
+pub(crate) fn claim_rows(path: &std::path::Path, rows: i64) {
+    use parquet::file::metadata::{ParquetMetaDataReader, ParquetMetaDataWriter};
+    let bytes = std::fs::read(path).unwrap();
+    let footer = u32::from_le_bytes(bytes[bytes.len() - 8..bytes.len() - 4].try_into().unwrap());
+    let data = &bytes[..bytes.len() - 8 - usize::try_from(footer).unwrap()];
+    let about = ParquetMetaDataReader::new().parse_and_finish(&std::fs::File::open(path).unwrap()).unwrap();
+    let mut groups = about.row_groups().to_vec();
+    groups[0] = groups[0].clone().into_builder().set_num_rows(rows).build().unwrap();
+    let about = about.into_builder().set_row_groups(groups).build();
+    let mut end = Vec::new();
+    ParquetMetaDataWriter::new(&mut end, &about).finish().unwrap();
+    std::fs::write(path, [data, &end].concat()).unwrap();
+}

@@ -76,9 +76,11 @@ impl DataSet {
                 let known = table.columns().iter().find(|c| c.name == name && c.of == Holds::Number);
                 known.map(|column| table.numbers(group, column)).transpose()
             };
-            let rows = match column("episode_index")? {
-                Some(found) => self.rows_of(file, number, &found.values)?,
-                None => (0..usize::try_from(table.rows(group)).unwrap_or(0)).collect(),
+            // Where nothing says whose frames these are, all are the episode's.
+            let rows = match (column("episode_index")?, self.info.features.first()) {
+                (Some(found), _) => self.rows_of(file, number, &found.values)?,
+                (None, Some(feature)) => (0..wide(&table, group, feature)?.rows).collect(),
+                (None, None) => Vec::new(),
             };
             if rows.is_empty() {
                 continue;

@@ -10,7 +10,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use serde_json::{Value, json};
 
-use crate::testing::error_text;
+use crate::testing::{claim_rows, error_text};
 use crate::{Contents, ReadOptions, UnitRule, contents, episodes, findings, read};
 use tunenet_core::observation::Channel;
 
@@ -182,4 +182,29 @@ fn a_robot_that_stands_still_is_noticed() {
     assert_eq!(still(), None);
     frames(&path, &[(0, 30)], |_, _| 0.25);
     assert!(still().unwrap().text.ends_with("stands still: `a`, `b`, `action.a`, `action.b`"));
+}
+
+#[test]
+fn frames_that_only_the_end_of_a_file_counts_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    info(folder.path(), "v2.1", &json!(["a", "b"]));
+    let path = folder.path().join("data/chunk-000/episode_000000.parquet");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let schema = Arc::new(parse_message_type("message frames { required float other; }").unwrap());
+    let properties = Arc::new(WriterProperties::builder().build());
+    let mut writer = SerializedFileWriter::new(File::create(&path).unwrap(), schema, properties).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<FloatType>().write_batch(&[0.0, 1.0, 2.0], None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    claim_rows(&path, i64::MAX);
+    let message = read(folder.path().join("episode_0"), &state("rad")).unwrap_err().to_string();
+    assert!(message.contains("expected a column"), "{message}");
+    // Without any features, no column says how many there are.
+    let empty = json!({ "codebase_version": "v2.1", "fps": 30, "features": {} });
+    std::fs::write(folder.path().join("meta/info.json"), empty.to_string()).unwrap();
+    let message = read(folder.path().join("episode_0"), &state("rad")).unwrap_err().to_string();
+    assert!(message.contains("expected frames in episode 0, found none"), "{message}");
 }

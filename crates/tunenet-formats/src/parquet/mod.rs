@@ -3,17 +3,19 @@
 //! Source: the format of Apache Parquet, read by the crate `parquet`; values of nested columns are distinguished by their definition
 //! and repetition levels.
 
+mod pages;
 mod values;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, TimestampType, Type as Physical};
-use parquet::column::reader::ColumnReader;
+use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
+use self::pages::Counted;
 use self::values::Levels;
 pub(crate) use self::values::Numbers;
 use crate::documents::refuse_git_lfs_pointer;
@@ -101,8 +103,8 @@ impl Parquet {
         self.reader.metadata().num_row_groups()
     }
 
-    /// How many rows a group says that it has.
-    pub fn rows(&self, group: usize) -> u64 {
+    /// How many rows a group says that it has. It may say anything: its columns know.
+    fn rows(&self, group: usize) -> u64 {
         u64::try_from(self.reader.metadata().row_group(group).num_rows()).unwrap_or(0)
     }
 
@@ -113,7 +115,9 @@ impl Parquet {
     pub fn numbers(&self, group: usize, column: &Column) -> Result<Numbers> {
         let read = || -> std::result::Result<Numbers, ParquetError> {
             let rows = self.reader.get_row_group(group)?;
-            let reader = rows.get_column_reader(column.index)?;
+            let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
+            let pages = Counted::new(rows.get_column_page_reader(column.index)?, MOST_NUMBERS);
+            let reader = get_column_reader(described, Box::new(pages));
             let levels = column.levels;
             let seconds = |ticks: i64, a_second: i64| {
                 // Nanoseconds keep their last digit.
@@ -153,32 +157,36 @@ impl Parquet {
     /// As [`Self::numbers`].
     pub fn sheet(&self) -> Result<Sheet> {
         let mut whole = Sheet::default();
+        let too_many = || {
+            let message = format!("expected at most {MOST_NUMBERS} numbers, found more");
+            Error::file(&self.path, message, "keep the rows and columns that are needed")
+        };
         for group in 0..self.groups() {
-            let (mut names, mut columns): (Vec<String>, Vec<(Numbers, usize)>) = (Vec::new(), Vec::new());
+            let (mut names, mut columns): (Vec<String>, Vec<Numbers>) = (Vec::new(), Vec::new());
+            let mut count = whole.values.len();
             for column in self.columns.iter().filter(|column| column.of != Holds::Other) {
                 let found = self.numbers(group, column)?;
+                count += found.values.len();
+                if count > MOST_NUMBERS {
+                    return Err(too_many());
+                }
                 match column.of {
                     Holds::List => names.extend((0..found.width).map(|i| format!("{}.{i}", column.name))),
                     Holds::Instant(_) if !column.name.ends_with("_s") => names.push(format!("{}_s", column.name)),
                     _ => names.push(column.name.clone()),
                 }
-                let width = found.width;
-                columns.push((found, width));
+                columns.push(found);
             }
             if group > 0 && names != whole.names {
                 let message = format!("expected lists of one length, found others in group {group} of rows");
                 return Err(Error::file(&self.path, message, "write lists of one length"));
             }
             whole.names = names;
-            let rows = usize::try_from(self.rows(group)).unwrap_or(usize::MAX);
-            for row in 0..rows {
-                for (found, width) in &columns {
-                    whole.values.extend_from_slice(&found.values[row * width..(row + 1) * width]);
+            whole.values.reserve(count - whole.values.len());
+            for row in 0..columns.first().map_or(0, |found| found.rows) {
+                for Numbers { values, width, .. } in &columns {
+                    whole.values.extend_from_slice(&values[row * width..(row + 1) * width]);
                 }
-            }
-            if whole.values.len() > MOST_NUMBERS {
-                let message = format!("expected at most {MOST_NUMBERS} numbers, found more");
-                return Err(Error::file(&self.path, message, "keep the rows and columns that are needed"));
             }
         }
         Ok(whole)

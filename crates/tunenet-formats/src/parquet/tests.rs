@@ -10,7 +10,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::*;
-use crate::testing::{error_text, file};
+use crate::testing::{claim_rows, error_text, file};
 use crate::{Contents, ReadOptions, contents, read};
 
 /// Times, heights, some of them missing, an instant in ns, and a text that is no number; in groups of three rows.
@@ -81,4 +81,27 @@ fn broken_files_say_so() {
     assert!(message.starts_with("a.parquet: the Parquet file is cut off or broken"), "{message}");
     std::fs::write(&path, b"PAR1").unwrap();
     assert!(read(&path, &ReadOptions::default()).unwrap_err().to_string().contains("cut off or broken"));
+}
+
+#[test]
+fn the_number_of_rows_that_a_file_states_is_not_trusted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    made(&path, &[0.0, 1.0, 2.0], &[Some(1.0), Some(2.0), Some(3.0)]);
+    claim_rows(&path, i64::MAX);
+    let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
+    assert!(message.contains("column `t_s`: expected 9223372036854775807 rows in group 0, found 3"), "{message}");
+    // Without a column of numbers nothing is read that could contradict it.
+    let schema = Arc::new(parse_message_type("message log { required binary note (UTF8); }").unwrap());
+    let properties = Arc::new(WriterProperties::builder().build());
+    let mut writer = SerializedFileWriter::new(File::create(&path).unwrap(), schema, properties).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<ByteArrayType>().write_batch(&["a".into()], None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    claim_rows(&path, i64::MAX);
+    assert_eq!(Parquet::open(&path).unwrap().sheet().unwrap().values.len(), 0);
+    assert!(read(&path, &ReadOptions::default()).is_err());
 }
