@@ -3,7 +3,7 @@
 use hdf5_pure::{AttrValue, FileBuilder};
 
 use crate::testing::error_text;
-use crate::{Contents, ReadOptions, UnitRule, contents, findings, read};
+use crate::{Contents, ReadOptions, UnitRule, contents, episodes, findings, read};
 use tunenet_core::observation::Channel;
 
 const ROWS: u64 = 40;
@@ -57,6 +57,30 @@ fn demonstrations_are_episodes_in_the_order_of_their_numbers() {
         (seen.len() as u64, seen.clock()[3].to_bits(), seen.row(5)[0].to_bits()),
         (ROWS, (3.0f64 / 20.0).to_bits(), (5.0f64 * 0.07).cos().to_bits())
     );
+}
+
+#[test]
+fn episodes_of_one_name_in_different_groups_are_distinguished() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    let mut file = FileBuilder::new();
+    for (top, offset) in [("left", 0.0), ("right", 1.0)] {
+        let mut data = file.create_group(top);
+        let mut group = data.create_group("demo_0");
+        group.create_dataset("q").with_f64_data(&angles(offset)).with_shape(&[ROWS, 2]);
+        data.add_group(group.finish());
+        file.add_group(data.finish());
+    }
+    file.write(&path).unwrap();
+    let all = episodes(&path, None).unwrap().unwrap();
+    assert_eq!(all, [path.join("left.demo_0"), path.join("right.demo_0")]);
+    let flat = ReadOptions {
+        columns: vec![("elbow_rad".into(), "q.1".into())],
+        units: vec![UnitRule::parse("rad").unwrap()],
+        ..options(Some(20.0))
+    };
+    let first = |path: &std::path::PathBuf| read(path, &flat).unwrap().observation.row(0)[0];
+    assert_eq!([first(&all[0]), first(&all[1])], [1.0, 2.0]);
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! The groups of a file, which of them are episodes, and the arrays of one.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 
 use super::broken;
 use crate::recording::MOST_NUMBERS;
+use crate::shown::list;
 use crate::{Error, Result};
 use tunenet_core::observation::FEWEST_SAMPLES;
 
@@ -93,9 +95,7 @@ pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
             found.episodes.extend(below.map(|inner| (inner.clone(), format!("{name}/{inner}"))));
         }
     }
-    let names = found.episodes.clone();
-    found.episodes.clear();
-    for (name, group) in names {
+    for (name, group) in distinct(path, std::mem::take(&mut found.episodes))? {
         if arrays(path, file, &group)?.is_empty() {
             found.empty.push(group);
         } else {
@@ -109,6 +109,23 @@ pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
         found.environment = environment(&root);
     }
     Ok(found)
+}
+
+/// Episodes whose names occur once each: groups of one name in different groups are named by both, `left.demo_0`.
+fn distinct(path: &Path, mut episodes: Vec<(String, String)>) -> Result<Vec<(String, String)>> {
+    let mut times: BTreeMap<String, usize> = BTreeMap::new();
+    for (name, _) in &episodes {
+        *times.entry(name.clone()).or_default() += 1;
+    }
+    for (name, group) in episodes.iter_mut().filter(|(name, _)| times[name] > 1) {
+        *name = group.replace('/', ".");
+    }
+    let mut seen = BTreeSet::new();
+    if let Some((name, _)) = episodes.iter().find(|(name, _)| !seen.insert(name)) {
+        let message = format!("expected groups of different names, found {} twice", list([name.as_str()], 1));
+        return Err(Error::file(path, message, "rename one of them"));
+    }
+    Ok(episodes)
 }
 
 /// Whether a name ends in a number, as those of episodes do.

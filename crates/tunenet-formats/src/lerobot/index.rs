@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::info::{Info, Layout};
 use crate::documents::refuse_git_lfs_pointer;
 use crate::parquet::Parquet;
+use crate::shown::shown_path;
 use crate::{Action, Error, Result};
 
 /// Most files of a data set that are looked for.
@@ -50,7 +51,29 @@ pub(crate) fn index(folder: &Path, info: &Info) -> Result<Index> {
         return Err(Error::file(folder, message, "is this the right folder?"));
     }
     found.episodes.sort_by_key(|episode| episode.number);
+    found.episodes = once_each(info.layout, found.episodes)?;
     Ok(found)
+}
+
+/// Sorted episodes, each number once: what a data set of version 3 lists in several lines is one episode.
+fn once_each(layout: Layout, episodes: Vec<Episode>) -> Result<Vec<Episode>> {
+    let mut all: Vec<Episode> = Vec::with_capacity(episodes.len());
+    for episode in episodes {
+        let Some(before) = all.last_mut().filter(|before| before.number == episode.number) else {
+            all.push(episode);
+            continue;
+        };
+        if layout == Layout::FileEach {
+            let (number, other) = (episode.number, shown_path(&before.files[0]));
+            let message = format!("expected one file of episode {number}, found {other} as well");
+            return Err(Error::file(&episode.files[0], message, "keep the one that belongs to the data set"));
+        }
+        for file in episode.files.into_iter().filter(|file| !before.files.contains(file)).collect::<Vec<_>>() {
+            before.files.push(file);
+            before.frames = before.frames.zip(episode.frames).map(|(before, more)| before + more);
+        }
+    }
+    Ok(all)
 }
 
 /// Files that are named after their episodes: `episode_000007.parquet`. Their lengths stand in `meta/episodes.jsonl`.

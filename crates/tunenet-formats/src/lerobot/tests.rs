@@ -153,6 +153,43 @@ fn several_episodes_are_chosen_by_name_or_number() {
     assert_eq!(read(old.parent().unwrap().join("old/episode_1"), &state("rad")).unwrap().observation.len(), 50);
 }
 
+/// The table of episodes of version 3: number, length, chunk and file of each.
+fn table(folder: &Path, rows: &[[i64; 4]]) {
+    let schema = "message episodes { required int64 episode_index; required int64 length;
+        required int64 data/chunk_index; required int64 data/file_index; }";
+    let path = folder.join("meta/episodes/chunk-000/file-000.parquet");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let (schema, properties) =
+        (Arc::new(parse_message_type(schema).unwrap()), Arc::new(WriterProperties::builder().build()));
+    let mut writer = SerializedFileWriter::new(File::create(path).unwrap(), schema, properties).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for at in 0..4 {
+        let values: Vec<i64> = rows.iter().map(|row| row[at]).collect();
+        let mut column = group.next_column().unwrap().unwrap();
+        column.typed::<Int64Type>().write_batch(&values, None, None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn an_episode_that_is_listed_twice_is_one() {
+    let (_folder, old, new) = both();
+    table(&new, &[[0, 40, 0, 0], [1, 20, 0, 0], [1, 20, 0, 0], [2, 60, 0, 1]]);
+    let names = |all: Vec<std::path::PathBuf>| -> Vec<String> {
+        all.iter().map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(episodes(&new, None).unwrap().unwrap()), ["episode_0", "episode_1", "episode_2"]);
+    assert_eq!(read(new.join("episode_1"), &state("rad")).unwrap().observation.len(), 20);
+    // A file of its own is there once.
+    std::fs::create_dir(old.join("data/chunk-001")).unwrap();
+    let copy = old.join("data/chunk-001/episode_000001.parquet");
+    std::fs::copy(old.join("data/chunk-000/episode_000001.parquet"), copy).unwrap();
+    let refused = episodes(&old, None).unwrap_err().to_string();
+    assert!(refused.contains("expected one file of episode 1, found"), "{refused}");
+}
+
 #[test]
 fn what_is_missing_or_was_not_downloaded_is_named() {
     let (_folder, old, new) = both();
