@@ -171,10 +171,25 @@ pub(crate) fn refuse_pointer(path: &Path, start: &[u8]) -> Result<()> {
 /// # Errors
 /// [`Error::File`] where it is such a pointer; [`Error::Io`] where the system refuses.
 pub fn refuse_git_lfs_pointer(path: impl AsRef<Path>) -> Result<()> {
-    let (path, mut start) = (path.as_ref(), Vec::new());
+    let path = path.as_ref();
+    refuse_pointer(path, &start(path)?)
+}
+
+/// Whether Git LFS has not downloaded a file.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses.
+#[cfg(feature = "logs")]
+pub(crate) fn is_git_lfs_pointer(path: &Path) -> Result<bool> {
+    Ok(start(path)?.starts_with(GIT_LFS))
+}
+
+/// As much of a file as the mark of a pointer has.
+fn start(path: &Path) -> Result<Vec<u8>> {
+    let mut start = Vec::new();
     let beginning = open(path)?.take(GIT_LFS.len() as u64).read_to_end(&mut start);
     beginning.map_err(|e| Error::io(path, Action::Reading, e))?;
-    refuse_pointer(path, &start)
+    Ok(start)
 }
 
 #[cfg(test)]

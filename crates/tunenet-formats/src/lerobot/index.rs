@@ -1,12 +1,14 @@
 //! Which episodes of a LeRobot data set are there, and in which files.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 use super::info::{Info, Layout};
-use crate::documents::refuse_git_lfs_pointer;
+use crate::documents::is_git_lfs_pointer;
 use crate::parquet::Parquet;
 use crate::shown::shown_path;
+use crate::source::open;
 use crate::{Action, Error, Result};
 
 /// Most files of a data set that are looked for.
@@ -14,6 +16,9 @@ const MOST_FILES: usize = 200_000;
 
 /// Most episodes of a data set.
 const MOST_EPISODES: usize = 2_000_000;
+
+/// Longest line of `meta/episodes.jsonl`, in bytes: it lists the tasks of an episode as texts.
+const LONGEST_LINE: u64 = 1 << 20;
 
 /// An episode that is there.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,9 +84,9 @@ fn once_each(layout: Layout, episodes: Vec<Episode>) -> Result<Vec<Episode>> {
 /// Files that are named after their episodes: `episode_000007.parquet`. Their lengths stand in `meta/episodes.jsonl`.
 fn named(folder: &Path) -> Result<Index> {
     let mut found = Index::default();
-    let lengths = lengths(folder);
+    let lengths = lengths(folder)?;
     for file in parquet_files(&folder.join("data"))? {
-        if refuse_git_lfs_pointer(&file).is_err() {
+        if is_git_lfs_pointer(&file)? {
             found.pointers.push(file);
         } else if let Some(number) = number(&file) {
             let frames = lengths.get(&number).copied();
@@ -97,14 +102,30 @@ fn number(file: &Path) -> Option<u64> {
     stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
 }
 
-/// The lengths that `meta/episodes.jsonl` lists; they are for the listing alone.
-fn lengths(folder: &Path) -> BTreeMap<u64, u64> {
-    let text = std::fs::read_to_string(folder.join("meta").join("episodes.jsonl")).unwrap_or_default();
-    let line = |line: &str| {
-        let value: serde_json::Value = serde_json::from_str(line).ok()?;
+/// The lengths that `meta/episodes.jsonl` lists, where it is there; they are for the listing alone, so a line that is none is left out.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses the file.
+fn lengths(folder: &Path) -> Result<BTreeMap<u64, u64>> {
+    let path = folder.join("meta").join("episodes.jsonl");
+    if !path.exists() {
+        return Ok(BTreeMap::new());
+    }
+    let of_line = |line: &[u8]| {
+        let value: serde_json::Value = serde_json::from_slice(line).ok()?;
         Some((value.get("episode_index")?.as_u64()?, value.get("length")?.as_u64()?))
     };
-    text.lines().filter_map(line).collect()
+    let mut all = BTreeMap::new();
+    let mut rest = BufReader::new(open(&path)?);
+    loop {
+        // A line that is longer ends here, and what is left of it is a line that is none.
+        let mut line = Vec::new();
+        let some = rest.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line);
+        if some.map_err(|e| Error::io(&path, Action::Reading, e))? == 0 || all.len() > MOST_EPISODES {
+            return Ok(all);
+        }
+        all.extend(of_line(&line));
+    }
 }
 
 /// The episodes that `meta/episodes` lists with their files, as far as these are there; `None` where it lists none.
@@ -128,12 +149,10 @@ fn listed(folder: &Path, info: &Info) -> Result<Option<Index>> {
                 any = true;
                 let file = folder.join(info.data_path(chunk, file));
                 if !there.contains(&file) && !absent.contains(&file) {
-                    if file.is_file() && refuse_git_lfs_pointer(&file).is_ok() {
-                        there.insert(file.clone());
-                    } else {
-                        found.pointers.extend(file.is_file().then(|| file.clone()));
-                        absent.insert(file.clone());
-                    }
+                    let is_file = file.is_file();
+                    let pointer = is_file && is_git_lfs_pointer(&file)?;
+                    found.pointers.extend(pointer.then(|| file.clone()));
+                    if is_file && !pointer { &mut there } else { &mut absent }.insert(file.clone());
                 }
                 if there.contains(&file) {
                     found.episodes.push(Episode { number, frames: Some(frames), files: vec![file] });
@@ -149,7 +168,7 @@ fn scanned(folder: &Path) -> Result<Index> {
     let mut found = Index::default();
     let mut episodes: BTreeMap<u64, Episode> = BTreeMap::new();
     for file in parquet_files(&folder.join("data"))? {
-        if refuse_git_lfs_pointer(&file).is_err() {
+        if is_git_lfs_pointer(&file)? {
             found.pointers.push(file);
             continue;
         }

@@ -153,6 +153,32 @@ fn several_episodes_are_chosen_by_name_or_number() {
     assert_eq!(read(old.parent().unwrap().join("old/episode_1"), &state("rad")).unwrap().observation.len(), 50);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_file_that_cannot_be_read_is_no_pointer() {
+    let (_folder, old, _) = both();
+    for path in [old.join("data/chunk-000/episode_000001.parquet"), old.join("meta/episodes.jsonl")] {
+        let _ = std::fs::remove_file(&path);
+        // It is there and cannot be opened: a pipe waits for its writer.
+        let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
+        assert!(made.success());
+        let (message, _) = error_text(&episodes(&old, None).unwrap_err());
+        assert!(message.ends_with("expected a file, found a pipe"), "{message}");
+        std::fs::remove_file(&path).unwrap();
+    }
+}
+
+#[test]
+fn lengths_of_episodes_are_read_line_by_line() {
+    let (_folder, old, _) = both();
+    let long = "x".repeat(3 << 20);
+    let lines =
+        format!("{{\"episode_index\": 0, \"length\": 40}}\n{long}\nno JSON\n{{\"episode_index\": 2, \"length\": 60}}");
+    std::fs::write(old.join("meta/episodes.jsonl"), lines).unwrap();
+    let Contents::Episodes(listed) = contents(&old).unwrap() else { panic!("episodes") };
+    assert_eq!(listed.episodes.iter().map(|e| e.frames).collect::<Vec<_>>(), [Some(40), None, Some(60)]);
+}
+
 /// The table of episodes of version 3: number, length, chunk and file of each.
 fn table(folder: &Path, rows: &[[i64; 4]]) {
     let schema = "message episodes { required int64 episode_index; required int64 length;
