@@ -1,7 +1,11 @@
 //! Recordings in several episodes: what a file or a folder says of them, whichever its format.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "logs")]
+use crate::format::is_hdf5;
+use crate::numbered;
 #[cfg(feature = "logs")]
 use crate::place::is_data_set;
 use crate::shown::list;
@@ -91,18 +95,10 @@ pub fn episodes(path: impl AsRef<Path>, chosen: Option<&Selection>) -> Result<Op
         let all = names.iter().map(|name| path.join(name)).collect();
         return Ok((names.len() > 1).then_some(all));
     };
-    let number = |name: &String| {
-        let digits = name.len() - name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-        name[name.len() - digits..].parse::<u64>().ok()
-    };
-    let mut found: Vec<PathBuf> = Vec::new();
+    let (mut found, mut seen): (Vec<PathBuf>, BTreeSet<&str>) = Default::default();
     for (first, last) in &chosen.ranges {
-        let within = names.iter().filter(|name| number(name).is_some_and(|n| (*first..=*last).contains(&n)));
-        for name in within.map(|name| path.join(name)) {
-            if !found.contains(&name) {
-                found.push(name);
-            }
-        }
+        let within = names.iter().filter(|name| numbered::split(name).1.is_some_and(|n| (*first..=*last).contains(&n)));
+        found.extend(within.filter(|name| seen.insert(name)).map(|name| path.join(name)));
     }
     if found.is_empty() {
         let there = list(names.iter().map(String::as_str), 6);
@@ -118,20 +114,11 @@ fn names(path: &Path) -> Result<Option<Vec<String>>> {
     if path.is_dir() && is_data_set(path) {
         return Ok(Some(crate::lerobot::DataSet::open(path)?.names()));
     }
-    if path.is_file() && is_hdf5(path)? {
+    // Others, such as videos, are left to whoever reads them.
+    if is_hdf5(path) {
         return Ok(Some(crate::hdf5::Demonstrations::open(path)?.names()).filter(|names| !names.is_empty()));
     }
     Ok(None)
-}
-
-/// Whether a file is HDF5 by its mark; others, such as videos, are left to whoever reads them.
-#[cfg(feature = "logs")]
-fn is_hdf5(path: &Path) -> Result<bool> {
-    use std::io::Read as _;
-    let mut start = Vec::new();
-    let file = crate::open(path)?;
-    file.take(8).read_to_end(&mut start).map_err(|e| Error::io(path, crate::Action::Reading, e))?;
-    Ok(start.starts_with(b"\x89HDF"))
 }
 
 /// Without their readers, nothing has episodes.

@@ -113,7 +113,8 @@ impl From<Error> for tunenet_core::Error {
 /// What the system refused. That there is no such file needs no number.
 fn refusal(action: Action, source: &std::io::Error) -> String {
     match (action, source.kind()) {
-        (Action::Opening | Action::Reading, ErrorKind::NotFound) => "no such file".into(),
+        // A file in a file is not there either.
+        (Action::Opening | Action::Reading, ErrorKind::NotFound | ErrorKind::NotADirectory) => "no such file".into(),
         _ => format!("{action} failed: {source}"),
     }
 }
@@ -122,7 +123,7 @@ fn refusal(action: Action, source: &std::io::Error) -> String {
 fn io_hint(action: Action, kind: ErrorKind) -> Option<&'static str> {
     match kind {
         ErrorKind::NotFound if matches!(action, Action::Writing | Action::Creating) => Some("make the folder first"),
-        ErrorKind::NotFound => Some("check the path"),
+        ErrorKind::NotFound | ErrorKind::NotADirectory => Some("check the path"),
         ErrorKind::PermissionDenied => Some("check who may use the file"),
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
             Some("free some space, or write to another place; the previous file is untouched")

@@ -113,6 +113,13 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     Ok(Format::Csv)
 }
 
+/// Whether there is an HDF5 file by its mark. What cannot be opened is none: whoever reads it says why.
+pub(crate) fn is_hdf5(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = open(path).ok().map(|file| file.take(HDF5.len() as u64).read_to_end(&mut start));
+    matches!(read, Some(Ok(_))) && start.starts_with(HDF5)
+}
+
 /// `format`, where this build reads it.
 ///
 /// # Errors

@@ -15,7 +15,7 @@
 //! | `log` | files of a log, topics of a log, and the series of one of them |
 //! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
 //! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
-//! | `place`, `episodes` | where a recording stands, and recordings in several episodes |
+//! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
 //! | `units`, `unstated`, `proposal` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
@@ -49,6 +49,7 @@ mod mcap;
 mod model;
 #[cfg(feature = "logs")]
 mod npz;
+mod numbered;
 mod others;
 #[cfg(feature = "logs")]
 mod parquet;

@@ -37,10 +37,6 @@ fn read_once(path: &Path, place: &Place, options: &ReadOptions) -> Result<Record
     if kind == Format::Hdf5 {
         return others::episode(path, place, options);
     }
-    if place.episode.is_some() {
-        let message = "expected episodes in the file, found a single recording";
-        return Err(Error::file(&place.path, message, "give the file itself"));
-    }
     match kind {
         Format::Csv if options.topic.is_some() => Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
