@@ -246,7 +246,11 @@ fn rows(path: &Path) -> Result<usize> {
     Ok(rows)
 }
 
-fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
+/// The columns of a text table.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses, or a pair of `--columns` is none.
+pub(crate) fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
     let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
     let read_as = |name: &str| match meaning(name) {
         Meaning::Known(Quantity::Time, _) => Some(Quantity::Time.header()),

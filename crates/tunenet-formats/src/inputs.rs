@@ -4,12 +4,14 @@ use std::path::Path;
 
 use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation};
 
-use crate::contents::{Contents, Log, contents_with};
+use crate::contents;
 use crate::csv::own_columns;
 use crate::findings;
 use crate::format::{Format, format};
 use crate::log::columns;
-use crate::log::files::is_bag;
+use crate::log::files::{files, is_bag};
+use crate::log::topics::{Topic, survey};
+use crate::others;
 use crate::place::{Place, is_data_set};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording, Role};
@@ -59,37 +61,57 @@ impl InputSource {
     }
 
     /// Whether the file at `path` has no such column, or no such topic or channel of it.
-    fn lacks(&self, path: &Path, options: &ReadOptions) -> Result<bool> {
-        let table = match contents_with(path, &ReadOptions::default())? {
-            Contents::Table(table) => table,
-            Contents::Log(log) => return self.is_not_in(&log, path, options),
-            Contents::Episodes(found) => {
-                let wanted = self.column(options).map(|name| name.trim_start_matches('-'));
-                let is = |name: &str| wanted.map_or_else(|| own_columns::is_meant(name, &self.channel), |w| w == name);
-                return Ok(!found.columns.iter().any(|column| is(&column.name)));
+    fn lacks(&self, path: &Path, place: &Place, kind: Option<Format>, options: &ReadOptions) -> Result<bool> {
+        let names = match kind {
+            Some(Format::Mcap | Format::PackedMcap | Format::Bag) => {
+                return self.is_not_in(&survey(&place.path, &options.definitions)?.topics, path, options);
             }
+            Some(Format::Csv) => {
+                let columns = contents::columns(&place.path, &ReadOptions::default())?;
+                columns.into_iter().map(|column| column.name).collect()
+            }
+            other => others::column_names(place, other)?,
         };
         let Some(wanted) = self.column(options) else {
-            let is = |name: &str| own_columns::is_meant(name, &self.channel);
-            return Ok(!table.columns.iter().any(|column| is(&column.name)));
+            return Ok(!names.iter().any(|name| own_columns::is_meant(name, &self.channel)));
         };
-        let number = wanted.trim_start_matches('-').parse::<usize>().is_ok();
-        Ok(!number && !table.columns.iter().any(|column| column.name == wanted))
+        let bare = wanted.strip_prefix('-').unwrap_or(wanted);
+        Ok(bare.parse::<usize>().is_err() && !names.iter().any(|name| name == wanted || name == bare))
     }
 
     /// Whether a log has no such topic, or none of its channels is the input.
-    fn is_not_in(&self, log: &Log, path: &Path, options: &ReadOptions) -> Result<bool> {
+    fn is_not_in(&self, topics: &[Topic], path: &Path, options: &ReadOptions) -> Result<bool> {
         let reading = self.reading(options);
-        if let Some(name) = &reading.topic {
-            match log.topics.iter().find(|known| known.name == *name) {
+        let has = |topic: &&Topic| columns::asked(topic, &reading) && columns::has_all(topic, &reading);
+        match &reading.topic {
+            Some(name) => match topics.iter().find(|known| known.name == *name) {
                 None => return Ok(true),
-                Some(topic) if columns::asked(topic, &reading) => return Ok(!columns::has_all(topic, &reading)),
+                Some(topic) if columns::asked(topic, &reading) => return Ok(!has(&topic)),
                 Some(_) => {}
-            }
+            },
+            None if topics.iter().any(|topic| has(&topic)) => return Ok(false),
+            None if topics.iter().all(|topic| topic.usable.is_err()) => return Ok(true),
+            None => {}
         }
-        let whole = read(path, &ReadOptions { topic: reading.topic.clone(), ..ReadOptions::default() })?;
+        let whole = ReadOptions { topic: reading.topic.clone(), ..ReadOptions::default() };
+        let whole = read(path, &ReadOptions { definitions: options.definitions.clone(), ..whole })?;
         Ok(own_columns::column_of(&whole.observation, &self.channel, &reading).is_none())
     }
+}
+
+/// What the recording at a place stands in: `None` is a data set in a folder.
+fn kind_of(place: &Place) -> Result<Option<Format>> {
+    if !place.path.is_dir() {
+        return format(&place.path).map(Some);
+    }
+    if is_data_set(&place.path) {
+        return Ok(None);
+    }
+    if !is_bag(&place.path) {
+        return Err(others::no_recording(&place.path));
+    }
+    // All files of a log are of one kind.
+    files(&place.path)?.first().map(|file| format(file)).transpose()
 }
 
 /// An input, and what was noticed while it was read.
@@ -101,19 +123,52 @@ pub type NotedInput = (Input, Vec<Note>);
 /// # Errors
 /// As [`read`](crate::read()).
 pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<Option<NotedInput>> {
-    // The topic on the command line is that of a log; this may be a table next to it.
-    let place = Place::of(path);
-    let log = if place.path.is_dir() {
-        is_bag(&place.path) && !is_data_set(&place.path)
-    } else {
-        matches!(format(&place.path)?, Format::Mcap | Format::PackedMcap | Format::Bag)
-    };
-    let options = &ReadOptions { topic: options.topic.clone().filter(|_| log), ..options.clone() };
-    if source.default.is_some() && source.lacks(path, options)? {
+    if source.default.is_some() && !has(path, options, source)? {
         return Ok(None);
     }
-    let Recording { observation, notes } = read(path, &source.reading(options))?;
+    let reading = source.reading(&of_file(&Place::of(path), options)?);
+    let Recording { observation, notes } = read(path, &reading)?;
     Ok(Some((Input::new(observation, source.hold), notes)))
+}
+
+/// The series of one channel that is predicted.
+///
+/// # Errors
+/// As [`read`](crate::read()).
+pub fn read_channel(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Recording> {
+    let reading = alone(channel).reading(&of_file(&Place::of(path), options)?);
+    read(path, &ReadOptions { role: Role::Predicted, ..reading })
+}
+
+/// As [`read_channel`], from a recording that need not have it: `None` where it does not.
+///
+/// # Errors
+/// As [`read_channel`].
+pub fn read_if_there(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Option<Recording>> {
+    if !has(path, options, &alone(channel))? {
+        return Ok(None);
+    }
+    read_channel(path, options, channel).map(Some)
+}
+
+/// A channel as one looks for an input.
+fn alone(channel: &Channel) -> InputSource {
+    let (name, channel) = (channel.header(), channel.clone());
+    let (column, topic, time_column, default, hold) = (None, None, None, None, Hold::Previous);
+    InputSource { name, channel, column, topic, time_column, default, hold }
+}
+
+/// Whether the recording at `path` has the input.
+fn has(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<bool> {
+    let place = Place::of(path);
+    let kind = kind_of(&place)?;
+    Ok(!source.lacks(path, &place, kind, &of_file(&place, options)?)?)
+}
+
+/// `options` as they are about the file at a place: the topic on the command line is that of a log, and this may be a table next to it.
+fn of_file(place: &Place, options: &ReadOptions) -> Result<ReadOptions> {
+    let log = matches!(kind_of(place)?, Some(Format::Mcap | Format::PackedMcap | Format::Bag));
+    Ok(ReadOptions { topic: options.topic.clone().filter(|_| log), ..options.clone() })
 }
 
 /// `recording` with its inputs, each under its name in the simulation file; cut where one of them ends. An input that is `None` has
@@ -186,7 +241,7 @@ fn constant(source: &InputSource, seen: &Observation, value: f64) -> Result<Inpu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{error_text, file};
+    use crate::testing::{Made, bag, error_text, file, joints, made};
 
     fn source(name: &str) -> InputSource {
         let channel = Channel::from_header(name).unwrap_or_else(|| Channel::new(name, "V"));
@@ -251,6 +306,41 @@ mod tests {
         let known = whole.observation.circumstances().unwrap();
         assert_eq!((known.setup, known.inputs[0].at(0, 1.7)), (3, 2.5));
         assert!(whole.notes.iter().any(|note| note.kind == findings::INPUT_DEFAULT));
+    }
+
+    #[test]
+    fn a_default_stands_in_only_where_the_file_has_no_such_column() {
+        let (_folder, path) = file("a.csv", TABLE);
+        let mapped = vec![("force_n".to_owned(), "-u".to_owned())];
+        let options = ReadOptions { columns: mapped, ..ReadOptions::default() };
+        let negated = InputSource { default: Some(0.0), ..source("force_n") };
+        let (input, _) = read_input(&path, &options, &negated).unwrap().unwrap();
+        assert_eq!(input.series().column(0).collect::<Vec<_>>(), [-9.0, -8.0, -7.0, -6.0]);
+        let channel = |header: &str| Channel::from_header(header).unwrap();
+        let there = read_if_there(&path, &ReadOptions::default(), &channel("x_m")).unwrap().unwrap();
+        assert_eq!(there.observation.row(0), [1.0]);
+        assert_eq!(read_if_there(&path, &ReadOptions::default(), &channel("y_m")).unwrap(), None);
+        // What cannot be read is no file that lacks something.
+        let broken = path.with_file_name("b.csv");
+        std::fs::write(&broken, "t_s,x_m\n0,1\n1,?\n2,3\n").unwrap();
+        assert!(read_if_there(&broken, &ReadOptions::default(), &channel("x_m")).is_err());
+    }
+
+    #[test]
+    fn a_topic_that_a_definition_makes_readable_needs_no_default() {
+        let double = |_, value: f64| [&[0, 1, 0, 0][..], &value.to_le_bytes()].concat();
+        let states = made("/joints", "sensor_msgs/msg/JointState", 5, |ns, q| joints(ns, &["elbow"], &[q], &[]));
+        let force = Made { definition: "", ..made("/force", "own/msg/Force", 5, double) };
+        let log = bag(None, &[force, states]);
+        let (_folder, path) = file("a.mcap", log);
+        let options =
+            ReadOptions { definitions: vec![("Force".into(), "float64 newton".into())], ..ReadOptions::default() };
+        let force = InputSource { topic: Some("/force".into()), default: Some(0.0), ..source("force_n") };
+        let (input, _) = read_input(&path, &options, &force).unwrap().unwrap();
+        assert_eq!(input.series().column(0).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        // A joint is found by its name, though its channel is called `q1`.
+        let elbow = read_if_there(&path, &options, &Channel::from_header("elbow_rad").unwrap()).unwrap().unwrap();
+        assert_eq!(elbow.observation.row(3), [3.0]);
     }
 
     #[test]

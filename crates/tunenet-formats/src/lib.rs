@@ -16,6 +16,7 @@
 //! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
 //! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
 //! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
+//! | `kept` | what was read last of files that have not changed |
 //! | `units`, `unstated`, `proposal` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
@@ -42,6 +43,8 @@ mod format;
 #[cfg(feature = "logs")]
 mod hdf5;
 mod inputs;
+#[cfg(feature = "logs")]
+mod kept;
 #[cfg(feature = "logs")]
 mod lerobot;
 mod log;
@@ -80,7 +83,7 @@ pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
 pub use episodes::{EpisodeColumn, EpisodeLength, Episodes, Selection, episodes};
 pub use error::{Error, Result};
-pub use inputs::{InputSource, NotedInput, read_input, under_inputs};
+pub use inputs::{InputSource, NotedInput, read_channel, read_if_there, read_input, under_inputs};
 pub use log::topics::Topic;
 pub use mcap::pictures;
 pub use mcap::trajectory::{JointPoint, write_approach};

@@ -40,9 +40,9 @@ pub(crate) fn table(path: &Path, format: Format) -> Result<Sheet> {
 pub(crate) fn episode(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
     let name = place.episode.as_deref();
     if place.path.is_dir() {
-        return DataSet::open(&place.path)?.read(path, name, options);
+        return DataSet::holding(&place.path, name)?.read(path, name, options);
     }
-    Demonstrations::open(&place.path)?.read(path, name, options)
+    Demonstrations::holding(&place.path, name)?.read(path, name, options)
 }
 
 /// What a file or folder of episodes says of itself.
@@ -51,10 +51,26 @@ pub(crate) fn episode(path: &Path, place: &Place, options: &ReadOptions) -> Resu
 /// [`Error::File`] where it cannot be used.
 #[cfg(feature = "logs")]
 pub(crate) fn listing(place: &Place, options: &ReadOptions) -> Result<Episodes> {
+    let name = place.episode.as_deref();
     if place.path.is_dir() {
-        return DataSet::open(&place.path)?.listing(options);
+        return DataSet::holding(&place.path, name)?.listing(name, options);
     }
-    Demonstrations::open(&place.path)?.listing(options)
+    Demonstrations::holding(&place.path, name)?.listing(name, options)
+}
+
+/// What the columns of a recording are called that is neither a text nor a log.
+///
+/// # Errors
+/// [`Error::File`] where it cannot be used.
+#[cfg(feature = "logs")]
+pub(crate) fn column_names(place: &Place, format: Option<Format>) -> Result<Vec<String>> {
+    let name = place.episode.as_deref();
+    match format {
+        None => DataSet::column_names(&place.path),
+        Some(Format::Hdf5) => Demonstrations::holding(&place.path, name)?.column_names(name),
+        Some(Format::Parquet) => Parquet::open(&place.path)?.column_names(),
+        Some(other) => Ok(table(&place.path, other)?.names),
+    }
 }
 
 /// The files in which the recording at a place stands, each once.
@@ -64,7 +80,7 @@ pub(crate) fn listing(place: &Place, options: &ReadOptions) -> Result<Episodes> 
 pub(crate) fn files(place: &Place) -> Result<Vec<PathBuf>> {
     if place.path.is_dir() && is_data_set(&place.path) {
         #[cfg(feature = "logs")]
-        return DataSet::open(&place.path)?.files(place.episode.as_deref());
+        return DataSet::holding(&place.path, place.episode.as_deref())?.files(place.episode.as_deref());
         #[cfg(not(feature = "logs"))]
         return Err(unread(&place.path));
     }
@@ -75,6 +91,12 @@ pub(crate) fn files(place: &Place) -> Result<Vec<PathBuf>> {
 #[cfg(not(feature = "logs"))]
 pub(crate) fn table(path: &Path, _: Format) -> Result<Sheet> {
     Err(unread(path))
+}
+
+/// As [`table`].
+#[cfg(not(feature = "logs"))]
+pub(crate) fn column_names(place: &Place, _: Option<Format>) -> Result<Vec<String>> {
+    Err(unread(&place.path))
 }
 
 /// A folder of episodes, which this build does not read.

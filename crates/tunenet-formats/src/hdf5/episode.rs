@@ -73,9 +73,8 @@ impl Demonstrations {
         for array in self.arrays(group)? {
             let numbers = array.numbers(&self.path)?;
             all.rows = array.rows;
+            all.names.extend(array.column_names());
             for column in 0..array.width {
-                let name = if array.flat { array.name.clone() } else { format!("{}.{column}", array.name) };
-                all.names.push(name);
                 all.numbers.push(numbers.iter().skip(column).step_by(array.width).copied().collect());
             }
         }

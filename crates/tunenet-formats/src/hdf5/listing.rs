@@ -15,12 +15,13 @@ use tunenet_core::observation::Note;
 const MOST_MEASURED: usize = 1_000;
 
 impl Demonstrations {
-    /// Its episodes, columns and units.
+    /// Its episodes, or the one of this name, with columns and units.
     ///
     /// # Errors
-    /// Where the file cannot be used, or `--units` names no column.
-    pub fn listing(&self, options: &ReadOptions) -> Result<Episodes> {
-        let first = self.columns(&self.episodes[0].1)?;
+    /// Where there is no such episode, or the file cannot be used.
+    pub fn listing(&self, name: Option<&str>, options: &ReadOptions) -> Result<Episodes> {
+        let named = name.map(|_| self.group(name)).transpose()?;
+        let first = self.columns(named.unwrap_or(&self.episodes[0].1))?;
         let column = |(name, readings): (&String, &Vec<f64>)| {
             let found = proposal(readings);
             let unit = units::rule(&options.units, name).map(|rule| {
@@ -30,13 +31,14 @@ impl Demonstrations {
         };
         let columns: Vec<EpisodeColumn> = first.names.iter().zip(&first.numbers).map(column).collect();
         let mut episodes = Vec::with_capacity(self.episodes.len());
-        for (i, (name, group)) in self.episodes.iter().enumerate() {
+        let listed = self.episodes.iter().filter(|(_, group)| named.is_none_or(|named| named == group));
+        for (i, (name, group)) in listed.enumerate() {
             let frames =
                 if i < MOST_MEASURED { self.arrays(group)?.first().map(|array| array.rows as u64) } else { None };
             episodes.push(EpisodeLength { name: name.clone(), frames });
         }
         let mut notes: Vec<Note> = not_joints(&first, &self.environment).into_iter().collect();
-        if !self.empty.is_empty() {
+        if !self.empty.is_empty() && named.is_none() {
             let text =
                 format!("groups without arrays are left out: {}", list(self.empty.iter().map(String::as_str), 8));
             notes.push(Note::new(findings::GROUPS_EMPTY, text, ""));

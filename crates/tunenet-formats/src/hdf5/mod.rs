@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use hdf5_pure::File;
 
-use self::tree::{Array, arrays, episodes};
+use self::tree::{Array, Found, arrays, episodes, one};
 use crate::shown::{counted, list};
 use crate::{Error, Result};
 
@@ -42,10 +42,25 @@ impl Demonstrations {
     /// # Errors
     /// [`Error::File`] where it is broken, or holds no arrays with a row for each instant.
     pub fn open(path: &Path) -> Result<Self> {
-        // A folder, a pipe and a device are refused as everywhere.
-        drop(crate::source::open(path)?);
-        let file = File::open_streaming(path).map_err(|e| broken(path, &e))?;
+        let file = opened(path)?;
         let found = episodes(path, &file)?;
+        Self::of(path, file, found)
+    }
+
+    /// As [`Self::open`], for who needs the episode of this name alone: where it is there, the others are not looked into.
+    ///
+    /// # Errors
+    /// As [`Self::open`]. An episode that is not there is no error.
+    pub fn holding(path: &Path, name: Option<&str>) -> Result<Self> {
+        let Some(name) = name else { return Self::open(path) };
+        let file = opened(path)?;
+        match one(path, &file, name)? {
+            Some(found) => Self::of(path, file, found),
+            None => Self::open(path),
+        }
+    }
+
+    fn of(path: &Path, file: File, found: Found) -> Result<Self> {
         if found.episodes.is_empty() {
             let message = format!(
                 "expected arrays with a row for each instant, found none in {}",
@@ -91,10 +106,25 @@ impl Demonstrations {
         }
     }
 
+    /// What the columns of an episode are called; none of its numbers are read.
+    ///
+    /// # Errors
+    /// [`Error::File`] where there is no such episode, or it is broken.
+    pub fn column_names(&self, name: Option<&str>) -> Result<Vec<String>> {
+        let arrays = self.arrays(self.group(name)?)?;
+        Ok(arrays.iter().flat_map(Array::column_names).collect())
+    }
+
     /// The arrays of an episode.
     fn arrays(&self, group: &str) -> Result<Vec<Array>> {
         arrays(&self.path, &self.file, group)
     }
+}
+
+/// The file at `path`. A folder, a pipe and a device are refused as everywhere.
+fn opened(path: &Path) -> Result<File> {
+    drop(crate::source::open(path)?);
+    File::open_streaming(path).map_err(|e| broken(path, &e))
 }
 
 /// What is wrong with a file that the crate refuses.

@@ -52,6 +52,10 @@ fn demonstrations_are_episodes_in_the_order_of_their_numbers() {
     let names: Vec<&str> = found.episodes.iter().map(|episode| episode.name.as_str()).collect();
     assert_eq!((names, found.episodes[0].frames), (vec!["demo_2", "demo_10"], Some(ROWS)));
     assert_eq!(found.notes.iter().map(|note| note.kind).collect::<Vec<_>>(), [findings::GROUPS_EMPTY]);
+    let Contents::Episodes(one) = contents(path.join("demo_10")).unwrap() else { panic!("episodes") };
+    assert_eq!((one.episodes.len(), one.episodes[0].name.as_str(), one.notes.len()), (1, "demo_10", 0));
+    let (message, _) = error_text(&contents(path.join("demo_3")).unwrap_err());
+    assert!(message.contains("expected an episode that is there (`demo_2`, `demo_10`), found `demo_3`"), "{message}");
     let seen = read(path.join("demo_10"), &options(Some(20.0))).unwrap().observation;
     assert_eq!(
         (seen.len() as u64, seen.clock()[3].to_bits(), seen.row(5)[0].to_bits()),

@@ -6,6 +6,7 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 
 use super::broken;
+use crate::numbered::split;
 use crate::recording::MOST_NUMBERS;
 use crate::shown::list;
 use crate::{Error, Result};
@@ -51,6 +52,14 @@ pub(super) struct Array {
 }
 
 impl Array {
+    /// What its columns are called: a list is one, an array of rows as many as a row has numbers.
+    pub fn column_names(&self) -> Vec<String> {
+        if self.flat {
+            return vec![self.name.clone()];
+        }
+        (0..self.width).map(|column| format!("{}.{column}", self.name)).collect()
+    }
+
     /// Its numbers, row by row.
     ///
     /// # Errors
@@ -111,6 +120,40 @@ pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
     Ok(found)
 }
 
+/// The episode of this name alone, where a single group has it.
+pub(super) fn one(path: &Path, file: &File, name: &str) -> Result<Option<Found>> {
+    let root = file.root();
+    if !numbered(name) || own_arrays(path, &root)? {
+        return Ok(None);
+    }
+    let tops = sorted(root.groups().map_err(|e| broken(path, &e))?);
+    let mut places: Vec<String> = tops.iter().filter(|top| *top == name).cloned().collect();
+    let mut environment = String::new();
+    // What describes the simulator stands in all episodes or above them.
+    for (_, top) in tops.iter().enumerate().filter(|(i, top)| *i == 0 || !numbered(top)) {
+        let group = root.group(top).map_err(|e| broken(path, &e))?;
+        if environment.is_empty() {
+            environment = self::environment(&group);
+        }
+        if numbered(top) {
+            continue;
+        }
+        // Groups of one name in different groups are named by both.
+        let by_both = name.strip_prefix(top.as_str()).and_then(|rest| rest.strip_prefix('.'));
+        let inner = [Some(name), by_both].into_iter().flatten().filter(|inner| group.group(inner).is_ok());
+        places.extend(inner.map(|inner| format!("{top}/{inner}")));
+    }
+    let [place] = places.as_slice() else { return Ok(None) };
+    if arrays(path, file, place)?.is_empty() {
+        return Ok(None);
+    }
+    if environment.is_empty() {
+        environment = self::environment(&root);
+    }
+    let episodes = vec![(name.to_owned(), place.clone())];
+    Ok(Some(Found { episodes, environment, ..Found::default() }))
+}
+
 /// Episodes whose names occur once each: groups of one name in different groups are named by both, `left.demo_0`.
 fn distinct(path: &Path, mut episodes: Vec<(String, String)>) -> Result<Vec<(String, String)>> {
     let mut times: BTreeMap<String, usize> = BTreeMap::new();
@@ -136,8 +179,8 @@ fn numbered(name: &str) -> bool {
 /// Names in the order of the numbers at their ends.
 fn sorted(mut names: Vec<String>) -> Vec<String> {
     names.sort_by_cached_key(|name| {
-        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        (stem.to_owned(), name[stem.len()..].parse::<u64>().unwrap_or(0))
+        let (stem, number) = split(name);
+        (stem.to_owned(), number.unwrap_or(0))
     });
     names
 }

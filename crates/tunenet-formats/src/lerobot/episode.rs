@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::DataSet;
+use super::index::Episode;
 use super::info::{Feature, Layout};
 use crate::findings;
 use crate::parquet::{Holds, Numbers, Parquet};
@@ -31,7 +32,7 @@ impl DataSet {
     /// # Errors
     /// [`Error::File`] where there is no such episode, its file is broken, or a column is asked for whose unit nothing states.
     pub fn read(&self, path: &Path, name: Option<&str>, options: &ReadOptions) -> Result<Recording> {
-        let frames = self.frames(name)?;
+        let frames = self.frames_of(self.episode(name)?)?;
         let (clock, note) = self.clock(&frames, path)?;
         let mut notes: Vec<Note> = note.into_iter().chain(still(&frames)).collect();
         let unstated = Unstated::of("t_s", &frames.names, options)?;
@@ -50,8 +51,7 @@ impl DataSet {
     }
 
     /// The frames of an episode.
-    pub(super) fn frames(&self, name: Option<&str>) -> Result<Frames> {
-        let episode = self.episode(name)?;
+    pub(super) fn frames_of(&self, episode: &Episode) -> Result<Frames> {
         let names = self.info.features.iter().flat_map(|feature| feature.names.clone()).collect();
         let mut all = Frames { stamps: Vec::new(), numbers: Vec::new(), names, values: Vec::new() };
         for file in &episode.files {

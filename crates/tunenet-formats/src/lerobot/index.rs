@@ -1,11 +1,15 @@
 //! Which episodes of a LeRobot data set are there, and in which files.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::info::{Info, Layout};
 use crate::documents::is_git_lfs_pointer;
+use crate::kept::Kept;
+use crate::numbered;
 use crate::parquet::Parquet;
 use crate::shown::shown_path;
 use crate::source::open;
@@ -46,9 +50,9 @@ pub(crate) struct Index {
 pub(crate) fn index(folder: &Path, info: &Info) -> Result<Index> {
     let mut found = match info.layout {
         Layout::FileEach => named(folder)?,
-        Layout::Shared => match listed(folder, info)? {
-            Some(found) => found,
-            None => scanned(folder)?,
+        Layout::Shared => match listed_rows(folder)? {
+            Some(rows) => there(folder, info, &rows)?,
+            None => Index::clone(&*scanned(folder)?),
         },
     };
     if found.episodes.len() > MOST_EPISODES {
@@ -58,6 +62,32 @@ pub(crate) fn index(folder: &Path, info: &Info) -> Result<Index> {
     found.episodes.sort_by_key(|episode| episode.number);
     found.episodes = once_each(info.layout, found.episodes)?;
     Ok(found)
+}
+
+/// The episode of this number alone, where it is found without looking for the others; with an index that was read before, where the
+/// files of the data set have not changed.
+///
+/// # Errors
+/// As [`index`].
+pub(crate) fn one(folder: &Path, info: &Info, wanted: u64) -> Result<Option<Episode>> {
+    match info.layout {
+        Layout::FileEach => {
+            let file = folder.join(info.episode_path(wanted));
+            let there = number(&file) == Some(wanted) && file.is_file() && !is_git_lfs_pointer(&file)?;
+            Ok(there.then(|| Episode { number: wanted, frames: None, files: vec![file] }))
+        }
+        Layout::Shared => {
+            let Some(rows) = listed_rows(folder)? else {
+                let all = scanned(folder)?;
+                let found = all.episodes.binary_search_by_key(&wanted, |episode| episode.number);
+                return Ok(found.ok().map(|at| all.episodes[at].clone()));
+            };
+            let mine: Vec<Row> = rows.iter().filter(|row| row.number == wanted).copied().collect();
+            let found = there(folder, info, &mine)?;
+            let whole = found.pointers.is_empty() && found.episodes.len() == mine.len();
+            Ok(once_each(info.layout, found.episodes)?.pop().filter(|_| whole))
+        }
+    }
 }
 
 /// Sorted episodes, each number once: what a data set of version 3 lists in several lines is one episode.
@@ -96,10 +126,9 @@ fn named(folder: &Path) -> Result<Index> {
     Ok(found)
 }
 
-/// The number at the end of a name.
+/// The number at the end of the name of a file.
 fn number(file: &Path) -> Option<u64> {
-    let stem = file.file_stem()?.to_str()?;
-    stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
+    numbered::split(file.file_stem()?.to_str()?).1
 }
 
 /// The lengths that `meta/episodes.jsonl` lists, where it is there; they are for the listing alone, so a line that is none is left out.
@@ -128,46 +157,87 @@ fn lengths(folder: &Path) -> Result<BTreeMap<u64, u64>> {
     }
 }
 
-/// The episodes that `meta/episodes` lists with their files, as far as these are there; `None` where it lists none.
-fn listed(folder: &Path, info: &Info) -> Result<Option<Index>> {
+/// What `meta/episodes` says of an episode: its length, and the numbers of the file that it stands in.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    number: u64,
+    frames: u64,
+    chunk: u64,
+    file: u64,
+}
+
+/// What was read last.
+static ROWS: Kept<Vec<Row>> = Kept::new();
+static SCANNED: Kept<Index> = Kept::new();
+
+/// The episodes that `meta/episodes` lists; `None` where it lists none.
+fn listed_rows(folder: &Path) -> Result<Option<Arc<Vec<Row>>>> {
     let tables = folder.join("meta").join("episodes");
     if !tables.is_dir() {
         return Ok(None);
     }
-    let (mut found, mut any) = (Index::default(), false);
-    let (mut there, mut absent): (BTreeSet<PathBuf>, BTreeSet<PathBuf>) = Default::default();
-    for path in parquet_files(&tables)? {
-        let table = Parquet::open(&path)?;
-        for group in 0..table.groups() {
-            let column = |name: &str| -> Result<Vec<u64>> {
-                let numbers = table.numbers(group, table.column(name)?)?.values;
-                numbers.into_iter().map(|n| whole(&path, name, n)).collect()
-            };
-            let (numbers, lengths) = (column("episode_index")?, column("length")?);
-            let (chunks, files) = (column("data/chunk_index")?, column("data/file_index")?);
-            for (((number, frames), chunk), file) in numbers.into_iter().zip(lengths).zip(chunks).zip(files) {
-                any = true;
-                let file = folder.join(info.data_path(chunk, file));
-                if !there.contains(&file) && !absent.contains(&file) {
-                    let is_file = file.is_file();
-                    let pointer = is_file && is_git_lfs_pointer(&file)?;
-                    found.pointers.extend(pointer.then(|| file.clone()));
-                    if is_file && !pointer { &mut there } else { &mut absent }.insert(file.clone());
-                }
-                if there.contains(&file) {
-                    found.episodes.push(Episode { number, frames: Some(frames), files: vec![file] });
-                }
-            }
+    let tables = parquet_files(&tables)?;
+    let read = || {
+        let mut rows = Vec::new();
+        for path in &tables {
+            add_rows(path, &mut rows)?;
+        }
+        Ok(rows)
+    };
+    Ok(Some(ROWS.of(&tables, read)?).filter(|rows| !rows.is_empty()))
+}
+
+/// Adds the episodes that a table lists.
+fn add_rows(path: &Path, rows: &mut Vec<Row>) -> Result<()> {
+    let table = Parquet::open(path)?;
+    for group in 0..table.groups() {
+        let column = |name: &str| -> Result<Vec<u64>> {
+            let numbers = table.numbers(group, table.column(name)?)?.values;
+            numbers.into_iter().map(|n| whole(path, name, n)).collect()
+        };
+        let (numbers, lengths) = (column("episode_index")?, column("length")?);
+        let (chunks, files) = (column("data/chunk_index")?, column("data/file_index")?);
+        for (((number, frames), chunk), file) in numbers.into_iter().zip(lengths).zip(chunks).zip(files) {
+            rows.push(Row { number, frames, chunk, file });
+        }
+        if rows.len() > MOST_EPISODES {
+            let message = format!("expected at most {MOST_EPISODES} episodes, found more");
+            return Err(Error::file(path, message, "is this the right folder?"));
         }
     }
-    Ok(any.then_some(found))
+    Ok(())
+}
+
+/// Those of the listed episodes whose files are there.
+fn there(folder: &Path, info: &Info, rows: &[Row]) -> Result<Index> {
+    let mut found = Index::default();
+    // By the numbers of a file: its path where it is there.
+    let mut known: BTreeMap<(u64, u64), Option<PathBuf>> = BTreeMap::new();
+    for Row { number, frames, chunk, file } in rows {
+        if let Entry::Vacant(new) = known.entry((*chunk, *file)) {
+            let path = folder.join(info.data_path(*chunk, *file));
+            let is_file = path.is_file();
+            let pointer = is_file && is_git_lfs_pointer(&path)?;
+            found.pointers.extend(pointer.then(|| path.clone()));
+            new.insert(Some(path).filter(|_| is_file && !pointer));
+        }
+        if let Some(Some(path)) = known.get(&(*chunk, *file)) {
+            found.episodes.push(Episode { number: *number, frames: Some(*frames), files: vec![path.clone()] });
+        }
+    }
+    Ok(found)
 }
 
 /// The episodes in the files below `data`, by their column of numbers.
-fn scanned(folder: &Path) -> Result<Index> {
+fn scanned(folder: &Path) -> Result<Arc<Index>> {
+    let files = parquet_files(&folder.join("data"))?;
+    SCANNED.of(&files, || scan(&files))
+}
+
+fn scan(files: &[PathBuf]) -> Result<Index> {
     let mut found = Index::default();
     let mut episodes: BTreeMap<u64, Episode> = BTreeMap::new();
-    for file in parquet_files(&folder.join("data"))? {
+    for file in files.iter().cloned() {
         if is_git_lfs_pointer(&file)? {
             found.pointers.push(file);
             continue;

@@ -40,6 +40,8 @@ pub(crate) struct Info {
     pub features: Vec<Feature>,
     /// Where a file of data stands: `data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet`.
     data_path: String,
+    /// How many episodes a folder of version 2 holds.
+    chunk: u64,
 }
 
 /// A row of numbers in every frame.
@@ -81,20 +83,35 @@ impl Info {
         let features: Vec<Feature> = features.iter().filter_map(|(column, about)| feature(column, about)).collect();
         let robot = value.get("robot_type").and_then(Value::as_str).unwrap_or_default().to_owned();
         let episodes = value.get("total_episodes").and_then(Value::as_u64);
-        let data_path = value.get("data_path").and_then(Value::as_str).unwrap_or(DATA_PATH).to_owned();
-        Ok(Self { layout, version, robot, rate_hz, episodes, features, data_path })
+        let usual = if layout == Layout::Shared { DATA_PATH } else { EPISODE_PATH };
+        let data_path = value.get("data_path").and_then(Value::as_str).unwrap_or(usual).to_owned();
+        let chunk = value.get("chunks_size").and_then(Value::as_u64).filter(|size| *size > 0).unwrap_or(CHUNK);
+        Ok(Self { layout, version, robot, rate_hz, episodes, features, data_path, chunk })
     }
 
     /// The file of version 3 with these numbers, seen from the folder of the data set. Nothing outside it is named.
     pub fn data_path(&self, chunk: u64, file: u64) -> PathBuf {
-        let filled = filled(&filled(&self.data_path, "chunk_index", chunk), "file_index", file);
-        let inside = |part: &Component<'_>| matches!(part, Component::Normal(_));
-        Path::new(&filled).components().filter(inside).collect()
+        inside(&filled(&filled(&self.data_path, "chunk_index", chunk), "file_index", file))
     }
+
+    /// Where the file of an episode of version 2 usually stands, seen from the folder of the data set.
+    pub fn episode_path(&self, number: u64) -> PathBuf {
+        let chunk = filled(&self.data_path, "episode_chunk", number / self.chunk);
+        inside(&filled(&chunk, "episode_index", number))
+    }
+}
+
+/// A path without what leads out of its folder.
+fn inside(path: &str) -> PathBuf {
+    Path::new(path).components().filter(|part| matches!(part, Component::Normal(_))).collect()
 }
 
 /// Where files of data stand where a data set does not say it.
 const DATA_PATH: &str = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet";
+
+/// The same of version 2, and how many episodes a folder of it holds.
+const EPISODE_PATH: &str = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet";
+const CHUNK: u64 = 1000;
 
 /// A pattern of Python's `format` with a number in place of `{name}` or `{name:03d}`.
 fn filled(pattern: &str, name: &str, number: u64) -> String {
@@ -201,8 +218,11 @@ mod tests {
             episodes: None,
             features: Vec::new(),
             data_path: "../../{chunk_index:02d}/{file_index:03d}".into(),
+            chunk: CHUNK,
         };
         assert_eq!(info.data_path(1, 2), Path::new("01/002"));
+        let old = Info { layout: Layout::FileEach, data_path: EPISODE_PATH.into(), ..info };
+        assert_eq!(old.episode_path(2345), Path::new("data/chunk-002/episode_002345.parquet"));
     }
 
     #[test]

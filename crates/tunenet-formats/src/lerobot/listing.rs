@@ -1,9 +1,10 @@
 //! What a data set says of itself, and the units that its numbers suggest.
 
-use super::{DataSet, EPISODE};
+use super::DataSet;
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
+use crate::numbered::EPISODE;
 use crate::proposal::proposal;
 use crate::recording::ReadOptions;
 use crate::shown::{counted, list};
@@ -20,15 +21,19 @@ const MOST_READ: usize = 8;
 const MOST_LISTED: usize = 8;
 
 impl DataSet {
-    /// Its episodes, columns and units.
+    /// Its episodes, or the one of this name, with columns and units.
     ///
     /// # Errors
-    /// Where a file cannot be used, or `--units` names no column.
-    pub fn listing(&self, options: &ReadOptions) -> Result<Episodes> {
+    /// Where there is no such episode, a file cannot be used, or `--units` names no column.
+    pub fn listing(&self, name: Option<&str>, options: &ReadOptions) -> Result<Episodes> {
         let mut names: Vec<String> = Vec::new();
         let mut values: Vec<f64> = Vec::new();
-        for name in self.names().iter().take(MOST_READ) {
-            let frames = self.frames(Some(name))?;
+        let listed = match name {
+            Some(one) => std::slice::from_ref(self.episode(Some(one))?),
+            None => self.index.episodes.as_slice(),
+        };
+        for episode in listed.iter().take(MOST_READ) {
+            let frames = self.frames_of(episode)?;
             names = frames.names;
             values.extend(frames.values);
             if values.len() >= LOOKED_AT * names.len() {
@@ -57,10 +62,10 @@ impl DataSet {
             format: format!("LeRobot {}", self.info.version),
             robot: self.info.robot.clone(),
             rate_hz: Some(self.info.rate_hz),
-            episodes: self.index.episodes.iter().map(length).collect(),
+            episodes: listed.iter().map(length).collect(),
             columns,
             units,
-            notes: self.missing().into_iter().collect(),
+            notes: self.missing().filter(|_| name.is_none()).into_iter().collect(),
         })
     }
 

@@ -17,8 +17,9 @@ mod listing;
 
 use std::path::{Path, PathBuf};
 
-use self::index::{Episode, Index, index};
+use self::index::{Episode, Index, index, one};
 use self::info::Info;
+use crate::numbered::{EPISODE, of_episode};
 use crate::shown::{counted, list};
 use crate::{Error, Result};
 
@@ -28,9 +29,6 @@ pub(crate) struct DataSet {
     info: Info,
     index: Index,
 }
-
-/// What stands before the number of an episode in its name.
-pub(crate) const EPISODE: &str = "episode_";
 
 /// The folder of the data set in `folder`: itself, or the only one of the folders below it that is one.
 pub(crate) fn root(folder: &Path) -> Option<PathBuf> {
@@ -69,6 +67,32 @@ impl DataSet {
         Ok(Self { folder, info, index })
     }
 
+    /// As [`Self::open`], for who needs the episode of this name alone: where it is there, the others are not looked for.
+    ///
+    /// # Errors
+    /// As [`Self::open`]. An episode that is not there is no error.
+    pub fn holding(folder: &Path, name: Option<&str>) -> Result<Self> {
+        let Some(number) = name.and_then(of_episode) else { return Self::open(folder) };
+        let root = root(folder).unwrap_or_else(|| folder.to_owned());
+        let info = Info::read(&root)?;
+        match one(&root, &info, number)? {
+            Some(episode) => {
+                let index = Index { episodes: vec![episode], pointers: Vec::new() };
+                Ok(Self { folder: root, info, index })
+            }
+            None => Self::open(folder),
+        }
+    }
+
+    /// What its columns are called, without looking into any of its files of data.
+    ///
+    /// # Errors
+    /// Where `meta/info.json` cannot be used.
+    pub fn column_names(folder: &Path) -> Result<Vec<String>> {
+        let info = Info::read(&root(folder).unwrap_or_else(|| folder.to_owned()))?;
+        Ok(info.features.into_iter().flat_map(|feature| feature.names).collect())
+    }
+
     /// The names of the episodes that are there.
     pub fn names(&self) -> Vec<String> {
         self.index.episodes.iter().map(|episode| format!("{EPISODE}{}", episode.number)).collect()
@@ -87,8 +111,7 @@ impl DataSet {
                 return Err(Error::file(&self.folder, message, hint));
             }
         };
-        let number = name.strip_prefix(EPISODE).and_then(|digits| digits.parse::<u64>().ok());
-        let found = number.and_then(|number| all.iter().find(|episode| episode.number == number));
+        let found = of_episode(name).and_then(|number| all.iter().find(|episode| episode.number == number));
         found.ok_or_else(|| {
             let names = self.names();
             let there = list(names.iter().map(String::as_str), 6);

@@ -168,6 +168,28 @@ fn a_file_that_cannot_be_read_is_no_pointer() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn an_episode_is_read_without_looking_at_the_others() {
+    let (_folder, old, new) = both();
+    let pipe = |path: &Path| {
+        let _ = std::fs::remove_file(path);
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    pipe(&old.join("data/chunk-000/episode_000001.parquet"));
+    assert_eq!(read(old.join("episode_2"), &state("rad")).unwrap().observation.len(), 60);
+    table(&new, &[[0, 40, 0, 0], [1, 20, 0, 0], [2, 60, 0, 1]]);
+    std::fs::remove_file(new.join("data/chunk-000/file-000.parquet")).unwrap();
+    assert_eq!(read(new.join("episode_2"), &state("rad")).unwrap().observation.len(), 60);
+    let Contents::Episodes(listed) = contents(new.join("episode_2")).unwrap() else { panic!("episodes") };
+    assert_eq!((listed.episodes.len(), listed.episodes[0].name.as_str()), (1, "episode_2"));
+    assert_eq!(listed.notes, []);
+    for absent in ["episode_0", "episode_7"] {
+        let (message, _) = error_text(&contents(new.join(absent)).unwrap_err());
+        assert!(message.contains("expected an episode that is there (`episode_2`), found"), "{message}");
+    }
+}
+
 #[test]
 fn lengths_of_episodes_are_read_line_by_line() {
     let (_folder, old, _) = both();

@@ -47,6 +47,17 @@ pub(crate) struct Column {
     levels: Levels,
 }
 
+impl Column {
+    /// What it is called in a table, with `width` numbers in each row.
+    fn names(&self, width: usize) -> Vec<String> {
+        match self.of {
+            Holds::List => (0..width).map(|i| format!("{}.{i}", self.name)).collect(),
+            Holds::Instant(_) if !self.name.ends_with("_s") => vec![format!("{}_s", self.name)],
+            _ => vec![self.name.clone()],
+        }
+    }
+}
+
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Holds {
@@ -151,6 +162,19 @@ impl Parquet {
         Ok(found)
     }
 
+    /// What the columns of the whole file are called as one table. Of lists, the first group of rows is read.
+    ///
+    /// # Errors
+    /// As [`Self::numbers`].
+    pub fn column_names(&self) -> Result<Vec<String>> {
+        let mut names = Vec::new();
+        for column in self.columns.iter().filter(|column| column.of != Holds::Other) {
+            let list = column.of == Holds::List && self.groups() > 0;
+            names.extend(column.names(if list { self.numbers(0, column)?.width } else { 1 }));
+        }
+        Ok(names)
+    }
+
     /// The whole file as one table: a list of numbers is as many columns, `NAME.0` …
     ///
     /// # Errors
@@ -170,11 +194,7 @@ impl Parquet {
                 if count > MOST_NUMBERS {
                     return Err(too_many());
                 }
-                match column.of {
-                    Holds::List => names.extend((0..found.width).map(|i| format!("{}.{i}", column.name))),
-                    Holds::Instant(_) if !column.name.ends_with("_s") => names.push(format!("{}_s", column.name)),
-                    _ => names.push(column.name.clone()),
-                }
+                names.extend(column.names(found.width));
                 columns.push(found);
             }
             if group > 0 && names != whole.names {
