@@ -7,13 +7,13 @@ use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, In
 use crate::contents;
 use crate::csv::own_columns;
 use crate::findings;
-use crate::format::{Format, format};
+use crate::format::Format;
 use crate::log::columns;
-use crate::log::files::{files, is_bag};
 use crate::log::topics::{Topic, survey};
 use crate::others;
-use crate::place::{Place, is_data_set};
+use crate::place::Place;
 use crate::quantity::{Meaning, Quantity, meaning};
+use crate::read::kind_of;
 use crate::recording::{ReadOptions, Recording, Role};
 use crate::{Error, Result, read};
 
@@ -99,21 +99,6 @@ impl InputSource {
     }
 }
 
-/// What the recording at a place stands in: `None` is a data set in a folder.
-fn kind_of(place: &Place) -> Result<Option<Format>> {
-    if !place.path.is_dir() {
-        return format(&place.path).map(Some);
-    }
-    if is_data_set(&place.path) {
-        return Ok(None);
-    }
-    if !is_bag(&place.path) {
-        return Err(others::no_recording(&place.path));
-    }
-    // All files of a log are of one kind.
-    files(&place.path)?.first().map(|file| format(file)).transpose()
-}
-
 /// An input, and what was noticed while it was read.
 pub type NotedInput = (Input, Vec<Note>);
 
@@ -165,10 +150,15 @@ fn has(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<bool>
     Ok(!source.lacks(path, &place, kind, &of_file(&place, options)?)?)
 }
 
-/// `options` as they are about the file at a place: the topic on the command line is that of a log, and this may be a table next to it.
+/// `options` as they are about the file at a place: what the command line says of topics, units and rates is said of recordings, and this
+/// may be a file of another kind next to one.
 fn of_file(place: &Place, options: &ReadOptions) -> Result<ReadOptions> {
-    let log = matches!(kind_of(place)?, Some(Format::Mcap | Format::PackedMcap | Format::Bag));
-    Ok(ReadOptions { topic: options.topic.clone().filter(|_| log), ..options.clone() })
+    let kind = kind_of(place)?;
+    let log = matches!(kind, Some(Format::Mcap | Format::PackedMcap | Format::Bag));
+    let hdf5 = kind == Some(Format::Hdf5);
+    let units = if hdf5 || kind.is_none() { options.units.clone() } else { Vec::new() };
+    let (topic, rate_hz) = (options.topic.clone().filter(|_| log), options.rate_hz.filter(|_| hdf5));
+    Ok(ReadOptions { topic, units, rate_hz, ..options.clone() })
 }
 
 /// `recording` with its inputs, each under its name in the simulation file; cut where one of them ends. An input that is `None` has

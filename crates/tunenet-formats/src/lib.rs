@@ -1,4 +1,4 @@
-//! Files to observations and back: CSV and MCAP recordings, data sets and models.
+//! Files to observations and back: recordings of all formats, data sets and models.
 //!
 //! [`read`] finds out what a file is by looking into it, then what kind of observation its columns or messages make, and
 //! returns the [`Recording`]: the observation and what was noticed on the way. [`contents`] lists what is in a file without
@@ -90,7 +90,7 @@ pub use mcap::trajectory::{JointPoint, write_approach};
 pub use mcap::write::write_mcap;
 pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_file};
 pub use quantity::kind_name;
-pub use read::{files_of, read};
+pub use read::{files_of, read, refuse_unused_options};
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording, Role};
 pub use rollout_file::{RolloutFile, RolloutFileUse};
 pub use shown::{shell_word, shown_path};

@@ -7,7 +7,7 @@ use tunenet_core::observation::{Kind, Observation};
 use crate::clock_jump::without_jumps;
 use crate::csv::own_columns;
 use crate::format::{Format, format};
-use crate::log::files::is_bag;
+use crate::log::files::{files, is_bag};
 use crate::others;
 use crate::place::{Place, is_data_set};
 use crate::recording::{LARGEST, ReadOptions, Recording};
@@ -29,7 +29,55 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> 
     Ok(recording)
 }
 
+/// Refuses what `options` say of files of another kind than the one at `path`, where nothing would come of it.
+///
+/// # Errors
+/// [`Setting`](tunenet_core::Error::Setting) with the kinds of files that a flag is about; [`Error::Io`] or [`Error::File`] where there is
+/// no recording.
+pub fn refuse_unused_options(path: impl AsRef<Path>, options: &ReadOptions) -> Result<()> {
+    if options.units.is_empty() && options.rate_hz.is_none() {
+        return Ok(());
+    }
+    let path = path.as_ref();
+    let kind = kind_of(&Place::of(path))?;
+    let refuse = |name, expected: &str, what: &str| {
+        let found = format!("{what} {}", shown_path(path));
+        Err(tunenet_core::Error::Setting { origin: Origin::Flag, name, expected: expected.into(), found }.into())
+    };
+    let what = match kind {
+        Some(Format::Hdf5) => return Ok(()),
+        None if options.rate_hz.is_none() => return Ok(()),
+        None => "the data set, which states its rate,",
+        Some(Format::Mcap | Format::PackedMcap | Format::Bag) => "the log",
+        Some(Format::Csv) => "the text file",
+        Some(Format::Parquet | Format::Npy | Format::Npz) => "the table",
+    };
+    if options.rate_hz.is_some() {
+        return refuse("rate", "an HDF5 file, which may have no column of times", what);
+    }
+    refuse("units", "a data set of LeRobot or an HDF5 file (others have them in `--columns`, as in q1_deg=elbow)", what)
+}
+
+/// What the recording at a place stands in: `None` is a data set of LeRobot.
+///
+/// # Errors
+/// [`Error::Io`] or [`Error::File`] where there is no recording.
+pub(crate) fn kind_of(place: &Place) -> Result<Option<Format>> {
+    if !place.path.is_dir() {
+        return format(&place.path).map(Some);
+    }
+    if is_data_set(&place.path) {
+        return Ok(None);
+    }
+    if !is_bag(&place.path) {
+        return Err(others::no_recording(&place.path));
+    }
+    // All files of a log are of one kind.
+    files(&place.path)?.first().map(|file| format(file)).transpose()
+}
+
 fn read_once(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
+    refuse_unused_options(path, options)?;
     if place.path.is_dir() {
         return folder(path, place, options);
     }

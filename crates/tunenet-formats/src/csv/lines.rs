@@ -85,7 +85,7 @@ impl Lines {
         if self.buffer.contains(&0) {
             return refuse(
                 format!("expected text, found a zero byte in line {}", self.number),
-                "give a CSV or MCAP file, or write the line again",
+                "give a recording, or write the line again",
             );
         }
         if read as u64 == LONGEST_LINE && !self.buffer.ends_with(b"\n") {

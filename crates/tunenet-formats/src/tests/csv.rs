@@ -2,7 +2,7 @@
 
 use crate::findings;
 use crate::testing::{error_text, read_as};
-use crate::{ReadOptions, Recording};
+use crate::{ReadOptions, Recording, UnitRule};
 use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Kind;
 
@@ -231,7 +231,7 @@ fn every_bad_table_says_what_and_where() {
         (
             "t_s,z_m\n0,1\n\0\n",
             "a.csv: expected text, found a zero byte in line 3",
-            "give a CSV or MCAP file, or write the line again",
+            "give a recording, or write the line again",
         ),
     ] {
         assert_eq!(bad(text), (message.to_owned(), hint.to_owned()), "{text:?}");
@@ -318,4 +318,16 @@ fn a_flag_is_not_proposed_as_a_torque() {
     for flags in [[1, 1, 1, 1], [0, 1, 0, 1]] {
         assert!(!hint(flags).contains("torque_on"), "{}", hint(flags));
     }
+}
+
+#[test]
+fn units_and_rates_of_other_files_are_refused_instead_of_ignored() {
+    let text = "t_s,z_m\n0,1\n1,2\n2,3\n";
+    let refused = |options: &ReadOptions| read_as("a.csv", text, options).unwrap_err().to_string();
+    let units = ReadOptions { units: vec![UnitRule::parse("deg").unwrap()], ..ReadOptions::default() };
+    let message = refused(&units);
+    assert!(message.starts_with("`units`: expected a data set of LeRobot or an HDF5 file"), "{message}");
+    assert!(message.contains("found the text file"), "{message}");
+    let message = refused(&ReadOptions { rate_hz: Some(20.0), ..ReadOptions::default() });
+    assert!(message.starts_with("`rate`: expected an HDF5 file"), "{message}");
 }
