@@ -212,7 +212,7 @@ fn other_kinds_of_files_under_the_name_of_a_table() {
         (b"\x1f\x8b\x08\0\0\0\0\0", "found a gzip archive"),
         (b"%PDF-1.7\n", "found a PDF document"),
         (b"\0\0\0\x20ftypisom\0\0\x02\0", "found a video"),
-        (b"MATLAB 7.3 MAT-file, Platform: GLNXA64", "found a MATLAB file (v7.3)"),
+        (b"MATLAB 7.3 MAT-file, Platform: GLNXA64", "found a MATLAB file (version 7.3)"),
         (b"\x7fELF\x02\x01\x01\0\0", "found a zero byte in line 1"),
         (b"t_s,z_m\n0,1\n0.1,\0\n", "found a zero byte in line 3"),
     ] {
@@ -239,7 +239,7 @@ fn documents_are_named_instead_of_their_columns() {
         ("scene.toml", SCENE, "a TOML file", "--sim"),
     ] {
         folder.write(name, start);
-        let wanted = [&format!("{name}: expected CSV or MCAP, found {found}"), remedy];
+        let wanted = [&format!("{name}: expected a recording, found {found}"), remedy];
         refused(&folder, &format!("tune --sim scene.toml --observation {name}"), &wanted);
         if !name.ends_with("toml") {
             refused(&folder, &format!("inspect {name}"), &wanted);

@@ -59,9 +59,9 @@ impl Document {
             Self::Json => "export the series as CSV with a header such as `t_s,z_m`",
             Self::Yaml => "give the recording that belongs to it, such as the .mcap file next to it",
             Self::Toml => {
-                "give a simulation file with --sim, a manifest with `diagnose --manifest`, and recordings as CSV or MCAP"
+                "give a simulation file with --sim, a manifest with `diagnose --manifest`, and recordings by themselves"
             }
-            Self::Xml | Self::Markdown | Self::Readme => "give the recording as CSV or MCAP",
+            Self::Xml | Self::Markdown | Self::Readme => "give the recording itself",
         }
     }
 
@@ -135,7 +135,7 @@ fn is_json(text: &str) -> bool {
 pub(crate) fn refuse_document(path: &Path, start: &[u8]) -> Result<()> {
     match Document::of(path, start) {
         Some(document) => {
-            let message = format!("expected CSV or MCAP, found {}", document.name());
+            let message = format!("expected a recording, found {}", document.name());
             Err(Error::file(path, message, document.remedy()))
         }
         None => Ok(()),

@@ -49,9 +49,17 @@ const OTHERS: [(usize, &[u8], &str, &str); 12] = [
     (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
     (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
     (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
-    (0, b"MATLAB 7.3", "a MATLAB file (v7.3)", "write the series as CSV, for example with `writematrix`"),
-    (0, b"MATLAB 5.0", "a MATLAB file", "export the series as CSV"),
+    (0, b"MATLAB 7.3", "a MATLAB file (version 7.3)", MATLAB_73),
+    (0, b"MATLAB 5.0", "a MATLAB file (version 5 to 7)", MATLAB_5),
 ];
+
+/// What makes columns of the variables of a MATLAB file: a table by MATLAB itself, or arrays by Python.
+const MATLAB_73: &str = "write them as arrays of NumPy: `python3 -c \"import h5py, numpy; f = h5py.File('log.mat'); \
+    numpy.savez('log.npz', **{k: v[()].T.squeeze() for k, v in f.items() if isinstance(v, h5py.Dataset)})\"`, or as CSV in \
+    MATLAB: `writetable(table(t_s, z_m), 'log.csv')`";
+const MATLAB_5: &str = "write its variables as arrays of NumPy: `python3 -c \"import numpy, scipy.io; \
+    f = scipy.io.loadmat('log.mat', squeeze_me=True); numpy.savez('log.npz', **{k: v for k, v in f.items() if k[0] != '_'})\"`, \
+    or as CSV in MATLAB: `writetable(table(t_s, z_m), 'log.csv')`";
 
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
 pub(crate) fn format(path: &Path) -> Result<Format> {
@@ -101,7 +109,7 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     if let Some((_, _, what, hint)) =
         OTHERS.iter().find(|(at, mark, ..)| start.get(*at..).is_some_and(|s| s.starts_with(mark)))
     {
-        return Err(Error::file(path, format!("expected CSV or MCAP, found {what}"), *hint));
+        return Err(Error::file(path, format!("expected a recording, found {what}"), *hint));
     }
     encoding::refuse_foreign(path, &start[..start.len().min(512)])?;
     refuse_document(path, &start)?;
