@@ -1,8 +1,8 @@
-//! An observation from one topic of an MCAP file.
+//! An observation from one topic of a log.
 
 use crate::findings;
 use crate::quantity::{Quantity, kind_name};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::choice::choose;
 use super::columns;
@@ -32,9 +32,10 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     if !as_columns {
         columns::refuse_unused(topic, options)?;
     }
+    let files = files(path)?;
     let mut series = Series::new(path, topic, &options.joints);
     let mut number = 0u64;
-    for message in messages(&files(path)?, &options.definitions)? {
+    for message in messages(&files, &options.definitions)? {
         let message = message?;
         if !topic.is(&message.channel) {
             continue;
@@ -52,12 +53,22 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
             Error::file(path, format!("message {number} of `{}` cannot be used: {why}", topic.name), "")
         })?;
         if series.values.len() > MOST_NUMBERS {
-            let bytes = std::fs::metadata(path).map_or(0, |about| about.len());
-            let text = format!("expected at most {MOST_NUMBERS} numbers, found more in its {bytes} bytes");
-            return Err(Error::file(path, text, "cut it with `mcap filter --start --end`"));
+            return Err(too_long(path, &topic.name, &files));
         }
     }
     series.finish(options)
+}
+
+/// That a topic holds more numbers than are read, and how its log is cut.
+fn too_long(path: &Path, topic: &str, files: &[PathBuf]) -> Error {
+    let text = format!("expected at most {MOST_NUMBERS} numbers in `{topic}`, found more");
+    let mcap = |file: &PathBuf| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
+    let hint = match files {
+        [one] if mcap(one) => "cut it with `mcap filter --start-secs A --end-secs B`",
+        [_] => "cut it with `ros2 bag convert`, which takes `start_time_ns` and `end_time_ns` of its output",
+        _ => "give single files of the folder, or cut it with `ros2 bag convert`",
+    };
+    Error::file(path, text, hint)
 }
 
 /// One topic's messages as they come.
@@ -327,4 +338,21 @@ struct Fault {
     before: i64,
     found: i64,
     count: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cuts_a_log_depends_on_its_files() {
+        let hint = |files: &[&str]| {
+            let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+            too_long(Path::new("a"), "/joints", &files).hint().unwrap_or_default().to_owned()
+        };
+        assert!(hint(&["a.mcap"]).contains("mcap filter"));
+        assert!(hint(&["a.db3"]).starts_with("cut it with `ros2 bag convert`"));
+        assert!(hint(&["a_0.db3", "a_1.db3"]).starts_with("give single files of the folder"));
+        assert!(hint(&["a_0.mcap", "a_1.mcap"]).starts_with("give single files of the folder"));
+    }
 }
