@@ -87,7 +87,7 @@ uint8[<=4] bytes
 string label
 ";
 
-/// What reads a log: the listing, the recording, one topic of joints by name, the pictures, the pairs.
+/// What reads a log: the listing, the recording, one topic of joints by name, the numbers of a topic as columns, the pictures, the pairs.
 const LOG_READERS: usize = 6;
 
 /// A log: the first byte says which reader gets it, and whether these bytes are the file (even) or the file is well formed

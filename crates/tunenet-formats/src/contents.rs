@@ -25,7 +25,7 @@ use tunenet_core::statistics::median;
 pub enum Contents {
     /// A text table.
     Table(Table),
-    /// An MCAP file.
+    /// A log with topics: MCAP, or a bag of ROS 2.
     Log(Log),
     /// Recordings in several episodes.
     Episodes(Episodes),
@@ -76,7 +76,7 @@ pub struct Table {
     pub notes: Vec<Note>,
 }
 
-/// What is in an MCAP file.
+/// What is in a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     /// The convention that its messages follow: `ros2`.
@@ -93,15 +93,15 @@ pub struct Log {
     pub remedy: String,
 }
 
-/// What is in the CSV or MCAP file at `path`.
+/// What is in the recording at `path`, in any format.
 ///
 /// # Errors
-/// [`Error::Io`] where the system refuses the file; [`Error::File`] where it is empty or neither text nor MCAP.
+/// [`Error::Io`] where the system refuses the file; [`Error::File`] where it is empty or of no known format.
 pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
     contents_with(path, &ReadOptions::default())
 }
 
-/// As [`contents`], with the columns of a foreign CSV file named; an MCAP file has none, and all its topics are listed.
+/// As [`contents`], with the columns of a foreign table named; of a log, all topics are listed.
 ///
 /// # Errors
 /// As [`contents`].

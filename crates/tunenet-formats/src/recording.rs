@@ -26,7 +26,7 @@ pub struct Recording {
 pub struct ReadOptions {
     /// Pairs (ours, theirs): ours is a column name with its unit (`t_s`, `z_mm`), theirs a name from the file's header, or
     /// a column number from 1, with a `-` before it where its axis points the other way (`-z`); for joints also ranges,
-    /// (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
+    /// (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`).
     pub columns: Vec<(String, String)>,
     /// The topic of a log to read; `None` takes the only one that can be used.
     pub topic: Option<String>,
@@ -40,7 +40,7 @@ pub struct ReadOptions {
     /// Frames per second, for files without a time base.
     pub rate_hz: Option<f64>,
     /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
-    /// columns of a CSV file speak of them. Where empty, the first message decides.
+    /// columns of a table speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,
     /// The channels that a custom simulator predicts, in its order: they are looked for by their
     /// [headers](Channel::header), and the series becomes one of [`Kind::Other`](tunenet_core::observation::Kind::Other). Empty where the file's

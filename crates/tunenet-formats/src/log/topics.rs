@@ -1,4 +1,4 @@
-//! The topics of an MCAP file, and which one to read.
+//! The topics of a log, and which one to read.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -17,7 +17,7 @@ use tunenet_core::observation::Kind;
 /// Why a topic without messages cannot be used.
 pub(super) const SILENT: &str = "has no messages";
 
-/// One topic of an MCAP file.
+/// One topic of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Topic {
     /// Its name: `/ball/point`.

@@ -1,4 +1,4 @@
-//! Time in MCAP files: whole nanoseconds.
+//! Time in logs: whole nanoseconds.
 
 /// A time in s as whole ns; `None` outside ±292 years.
 pub(crate) fn to_ns(time_s: f64) -> Option<i64> {

@@ -23,7 +23,7 @@ pub struct Input {
     pub column: Option<String>,
     /// The file in which it stands, from the folder of the recording; the recording itself where it is `None`.
     pub file: Option<PathBuf>,
-    /// The topic of an MCAP log in which it stands.
+    /// The topic of a log in which it stands.
     pub topic: Option<String>,
     /// The column of its own clock, s.
     pub time_column: Option<String>,

@@ -23,7 +23,7 @@ pub const INPUT_KEYS: &[Key] = &[
     ),
     key("column", TEXT, false, "what the file calls it (default: its name)"),
     key("file", TEXT, false, "the file that holds it, from the folder of the recording (default: the recording)"),
-    key("topic", TEXT, false, "the topic of an MCAP log that holds it"),
+    key("topic", TEXT, false, "the topic of a log that holds it"),
     key("time_column", TEXT, false, "the column of its own clock, in s (default: that of its file)"),
     key("unit", TEXT, false, "its unit, where its name does not end in one"),
     key("default", ANY, false, "its value where a recording does not have it"),
