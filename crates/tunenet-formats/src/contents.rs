@@ -144,19 +144,7 @@ fn sheet_table(path: &Path, sheet: &Sheet, options: &ReadOptions) -> Result<Tabl
     };
     let mapped = |name: &str| options.columns.iter().find(|(_, theirs)| theirs == name).map(|(ours, _)| ours.clone());
     let column = |name: &String| Column { name: name.clone(), read_as: mapped(name).or_else(|| read_as(name)) };
-    let mut table = Table {
-        columns: sheet.names.iter().map(column).collect(),
-        usable: Err(String::new()),
-        remedy: String::new(),
-        rows: sheet.rows(),
-        samples: 0,
-        span_s: None,
-        median_rate_hz: None,
-        largest_gap_s: None,
-        broken: Vec::new(),
-        broken_count: 0,
-        notes: Vec::new(),
-    };
+    let mut table = Table { rows: sheet.rows(), ..Table::of(sheet.names.iter().map(column).collect()) };
     match sheet.recording(path, options) {
         Ok(Recording { observation, notes }) => {
             let of_times = observation.kind() == Kind::EventTimes;
@@ -173,6 +161,23 @@ fn sheet_table(path: &Path, sheet: &Sheet, options: &ReadOptions) -> Result<Tabl
 }
 
 impl Table {
+    /// One with these columns, of which nothing else is known.
+    fn of(columns: Vec<Column>) -> Self {
+        Self {
+            columns,
+            usable: Err(String::new()),
+            remedy: String::new(),
+            rows: 0,
+            samples: 0,
+            span_s: None,
+            median_rate_hz: None,
+            largest_gap_s: None,
+            broken: Vec::new(),
+            broken_count: 0,
+            notes: Vec::new(),
+        }
+    }
+
     /// Takes in when its samples were.
     fn spans(&mut self, times: &[f64]) {
         self.span_s = times.first().copied().zip(times.last().copied());
@@ -195,19 +200,7 @@ fn log(path: &Path, options: &ReadOptions) -> Result<Contents> {
 }
 
 fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
-    let mut table = Table {
-        columns: columns(path, options)?,
-        usable: Err(String::new()),
-        remedy: String::new(),
-        rows: 0,
-        samples: 0,
-        span_s: None,
-        median_rate_hz: None,
-        largest_gap_s: None,
-        broken: Vec::new(),
-        broken_count: 0,
-        notes: Vec::new(),
-    };
+    let mut table = Table::of(columns(path, options)?);
     let scan = match scan(path, options) {
         Ok(scan) => scan,
         Err(Error::Text { message, hint, .. }) => {
@@ -226,8 +219,7 @@ fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
     let times = if scan.layout.kind == Kind::EventTimes { &scan.values } else { &scan.clock };
     table.rows = scan.rows;
     table.samples = times.len();
-    let times = times.clone();
-    table.spans(&times);
+    table.spans(times);
     table.notes = scan.notes();
     table.broken_count = scan.broken_count;
     table.broken = scan.broken.into_iter().map(|b| BrokenLine { line: b.line, message: b.message }).collect();

@@ -25,26 +25,32 @@ pub(crate) struct Messages {
 
 /// The messages of one file.
 enum One {
-    Mcap(Box<records::Messages>),
-    /// Compressed as a whole: the messages, and the copy that they are read from, which goes away with them.
-    #[cfg(feature = "logs")]
-    Packed {
-        messages: Box<records::Messages>,
-        _copy: bag::Unpacked,
-    },
+    Mcap(Mcap),
     #[cfg(feature = "logs")]
     Bag(Box<bag::Messages>),
+}
+
+/// The messages of an MCAP file.
+struct Mcap {
+    messages: Box<records::Messages>,
+    /// Of a file that is compressed as a whole, the copy that they are read from, which goes away with them.
+    #[cfg(feature = "logs")]
+    _copy: Option<bag::Unpacked>,
 }
 
 impl One {
     fn open(path: &Path, given: &Given) -> Result<Self> {
         match format(path)? {
-            Format::Mcap => Ok(Self::Mcap(Box::new(records::messages(path)?.with_definitions(given)))),
+            Format::Mcap => Ok(Self::Mcap(Mcap {
+                messages: Box::new(records::messages(path)?.with_definitions(given)),
+                #[cfg(feature = "logs")]
+                _copy: None,
+            })),
             #[cfg(feature = "logs")]
             Format::PackedMcap => {
                 let file = bag::unpacked(path)?;
-                let messages = records::messages(file.path())?.of(path).with_definitions(given);
-                Ok(Self::Packed { messages: Box::new(messages), _copy: file })
+                let messages = Box::new(records::messages(file.path())?.of(path).with_definitions(given));
+                Ok(Self::Mcap(Mcap { messages, _copy: Some(file) }))
             }
             #[cfg(feature = "logs")]
             Format::Bag => Ok(Self::Bag(Box::new(bag::Messages::open(path, given)?))),
@@ -54,9 +60,7 @@ impl One {
 
     fn next(&mut self) -> Option<Result<RawMessage>> {
         match self {
-            Self::Mcap(messages) => messages.next(),
-            #[cfg(feature = "logs")]
-            Self::Packed { messages, .. } => messages.next(),
+            Self::Mcap(mcap) => mcap.messages.next(),
             #[cfg(feature = "logs")]
             Self::Bag(messages) => messages.next(),
         }
@@ -64,9 +68,7 @@ impl One {
 
     fn channels(&self) -> Vec<Arc<ChannelInfo>> {
         match self {
-            Self::Mcap(messages) => messages.channels().cloned().collect(),
-            #[cfg(feature = "logs")]
-            Self::Packed { messages, .. } => messages.channels().cloned().collect(),
+            Self::Mcap(mcap) => mcap.messages.channels().cloned().collect(),
             #[cfg(feature = "logs")]
             Self::Bag(messages) => messages.channels().to_vec(),
         }
@@ -74,9 +76,7 @@ impl One {
 
     fn writer(&self) -> (String, String) {
         let (profile, library) = match self {
-            Self::Mcap(messages) => messages.writer(),
-            #[cfg(feature = "logs")]
-            Self::Packed { messages, .. } => messages.writer(),
+            Self::Mcap(mcap) => mcap.messages.writer(),
             #[cfg(feature = "logs")]
             Self::Bag(messages) => messages.writer(),
         };

@@ -126,14 +126,29 @@ pub(crate) fn decode(kind: Type, data: &[u8]) -> std::result::Result<Decoded, St
     Ok(Decoded { stamp_ns: joined(i64::from(sec), i64::from(nanosec)), sample })
 }
 
+/// In which order the bytes of a number stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Big,
+    Little,
+}
+
+/// What the mark of a message says, and the bytes behind it.
+pub(super) fn body(data: &[u8]) -> std::result::Result<(Order, &[u8]), String> {
+    let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
+    match (mark[0], mark[1]) {
+        (0, 0) => Ok((Order::Big, body)),
+        (0, 1) => Ok((Order::Little, body)),
+        (first, second) => Err(format!("expected plain CDR (00 00 or 00 01), found {first:02x} {second:02x}")),
+    }
+}
+
 /// The fields at the start of a message, and the bytes after them.
 pub(crate) fn fields<T: for<'a> Deserialize<'a>>(data: &[u8]) -> std::result::Result<(T, &[u8]), String> {
-    let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
-    let read = match mark {
-        [0, 0, ..] => cdr_encoding::from_bytes::<T, BigEndian>(body),
-        [0, 1, ..] => cdr_encoding::from_bytes::<T, LittleEndian>(body),
-        [high, low, ..] => return Err(format!("expected plain CDR (00 00 or 00 01), found {high:02x} {low:02x}")),
-        _ => return Err("expected CDR".into()),
+    let (order, body) = body(data)?;
+    let read = match order {
+        Order::Big => cdr_encoding::from_bytes::<T, BigEndian>(body),
+        Order::Little => cdr_encoding::from_bytes::<T, LittleEndian>(body),
     };
     let (fields, used) = read.map_err(|e| format!("{} bytes do not fit its type: {e}", data.len()))?;
     Ok((fields, &body[used..]))

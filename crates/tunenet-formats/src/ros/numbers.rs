@@ -2,6 +2,9 @@
 //!
 //! Source: OMG DDS-XTypes, plain CDR (XCDR1): every number is aligned to its size, counted from after the four bytes of the mark.
 
+use std::collections::BTreeSet;
+
+use super::cdr::{Order, body};
 use super::schema::{Field, FieldKind, Fields, Number, Shape};
 use super::stamps::joined;
 
@@ -28,17 +31,11 @@ pub(crate) struct Numbers {
 /// # Errors
 /// Where the bytes do not fit the definition, or there are more numbers than make columns.
 pub(crate) fn numbers(fields: &Fields, data: &[u8], names: bool) -> std::result::Result<Numbers, String> {
-    let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
-    let big = match mark {
-        [0, 0, ..] => true,
-        [0, 1, ..] => false,
-        [high, low, ..] => return Err(format!("expected plain CDR (00 00 or 00 01), found {high:02x} {low:02x}")),
-        _ => return Err("expected CDR".into()),
-    };
+    let (order, body) = body(data)?;
     let mut walk = Walk {
         body,
         at: 0,
-        big,
+        order,
         found: Numbers::default(),
         names,
         path: String::new(),
@@ -52,7 +49,7 @@ pub(crate) fn numbers(fields: &Fields, data: &[u8], names: bool) -> std::result:
 struct Walk<'a> {
     body: &'a [u8],
     at: usize,
-    big: bool,
+    order: Order,
     found: Numbers,
     names: bool,
     /// Where in the message one is: `axes.0`.
@@ -128,7 +125,10 @@ impl Walk<'_> {
                 return Err(format!("holds more than {MOST_COLUMNS} names in a message"));
             }
             let texts = (0..count).map(|_| self.text()).collect::<std::result::Result<Vec<String>, _>>()?;
-            let distinct = (0..count).all(|i| !texts[i].is_empty() && !texts[..i].contains(&texts[i]));
+            let distinct = self.names && {
+                let mut seen = BTreeSet::new();
+                texts.iter().all(|text| !text.is_empty() && seen.insert(text))
+            };
             for text in &texts {
                 self.found.layout.extend(text.as_bytes());
                 self.found.layout.push(0);
@@ -169,10 +169,13 @@ impl Walk<'_> {
     }
 
     fn unsigned(&mut self, bytes: usize) -> std::result::Result<u64, String> {
-        let big = self.big;
+        let order = self.order;
         let read = self.take(bytes, bytes)?;
         let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
-        Ok(if big { read.iter().fold(0, fold) } else { read.iter().rev().fold(0, fold) })
+        Ok(match order {
+            Order::Big => read.iter().fold(0, fold),
+            Order::Little => read.iter().rev().fold(0, fold),
+        })
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "as many bits as were read are reinterpreted")]

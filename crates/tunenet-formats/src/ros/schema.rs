@@ -154,12 +154,11 @@ struct Reading<'a> {
     left: usize,
 }
 
-impl Reading<'_> {
-    fn text(&self, name: &str) -> Option<String> {
+impl<'a> Reading<'a> {
+    fn text(&self, name: &str) -> Option<&'a str> {
         let stem = name.rsplit('/').next().unwrap_or(name);
-        let by_user = || self.given.iter().find(|(given, _)| given == stem).map(|(_, text)| text.clone());
-        let own = self.sections.get(name).map(|text| (*text).to_owned());
-        own.or_else(by_user).or_else(|| standard::fields(name).map(str::to_owned))
+        let by_user = || self.given.iter().find(|(given, _)| given == stem).map(|(_, text)| text.as_str());
+        self.sections.get(name).copied().or_else(by_user).or_else(|| standard::fields(name))
     }
 
     /// The fields of a message, whose type is written `name` in package `package`.
