@@ -8,7 +8,11 @@ use crate::format::is_hdf5;
 use crate::numbered;
 #[cfg(feature = "logs")]
 use crate::place::is_data_set;
+#[cfg(feature = "logs")]
+use crate::proposal::proposal;
 use crate::shown::list;
+#[cfg(feature = "logs")]
+use crate::units::{self, UnitRule};
 use crate::{Error, Result};
 use tunenet_core::observation::Note;
 
@@ -51,6 +55,19 @@ pub struct EpisodeColumn {
     pub proposed: Option<String>,
     /// What that is concluded from.
     pub why: String,
+}
+
+#[cfg(feature = "logs")]
+impl EpisodeColumn {
+    /// A column by its readings, with the unit that one of `rules` states.
+    pub(crate) fn of(name: &str, readings: &[f64], rules: &[UnitRule]) -> Self {
+        let found = proposal(readings);
+        let unit = units::rule(rules, name).map(|rule| match rule.factor {
+            1.0 => rule.unit.clone(),
+            factor => format!("{factor}{}", rule.unit),
+        });
+        Self { name: name.to_owned(), unit, proposed: found.unit, why: found.why }
+    }
 }
 
 /// Which episodes are asked for: `0-7`, `3`, `0,2,5-6`.

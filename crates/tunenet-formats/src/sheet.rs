@@ -1,5 +1,7 @@
 //! Named columns of numbers, from any file but a text: the same rules as for a CSV file make an observation of them.
 
+#[cfg(feature = "logs")]
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::csv::columns::{Header, Layout, Source, layout};
@@ -16,25 +18,48 @@ const MOST_REPEATED: f64 = 0.05;
 
 /// Rows that are examined where names alone do not decide.
 const EXAMINED: usize = 10_000;
+const EXAMINED_CELLS: usize = 1_000_000;
 
 /// Columns of numbers with their names; a number that is not finite stands for a missing one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Sheet {
     pub names: Vec<String>,
-    /// Row by row.
+    /// The first column, where it stands apart: the clock of a recording whose file has it in another place, or nowhere.
+    pub clock: Vec<f64>,
+    /// Row by row, without a clock that stands apart.
     pub values: Vec<f64>,
     /// Whether the columns have no names, only numbers.
     pub unnamed: bool,
 }
 
+/// How many rows most of several arrays have, of those with so many that they are a series; of equally many arrays, the larger number.
+#[cfg(feature = "logs")]
+pub(crate) fn most_common_rows(rows: impl Iterator<Item = usize>) -> Option<usize> {
+    let mut times: BTreeMap<usize, usize> = BTreeMap::new();
+    for rows in rows.filter(|rows| *rows >= FEWEST_SAMPLES) {
+        *times.entry(rows).or_default() += 1;
+    }
+    times.into_iter().max_by_key(|(rows, times)| (*times, *rows)).map(|(rows, _)| rows)
+}
+
 impl Sheet {
     pub fn rows(&self) -> usize {
-        self.values.len() / self.names.len().max(1)
+        if self.clock.is_empty() { self.values.len() / self.names.len().max(1) } else { self.clock.len() }
     }
 
-    fn row(&self, row: usize) -> &[f64] {
-        let width = self.names.len();
-        &self.values[row * width..(row + 1) * width]
+    /// A number by its row and its column.
+    fn cell(&self, row: usize, column: usize) -> f64 {
+        let apart = usize::from(!self.clock.is_empty());
+        match column.checked_sub(apart) {
+            Some(column) => self.values[row * (self.names.len() - apart) + column],
+            None => self.clock[row],
+        }
+    }
+
+    /// The numbers of a column.
+    #[cfg(feature = "logs")]
+    pub fn column(&self, column: usize) -> impl Iterator<Item = f64> {
+        (0..self.rows()).map(move |row| self.cell(row, column))
     }
 
     /// The names as the header of a table.
@@ -51,7 +76,9 @@ impl Sheet {
     /// [`Error::File`] where they make none.
     pub fn layout(&self, path: &Path, options: &ReadOptions) -> Result<Layout> {
         let line = self.line();
-        let first = (0..self.rows().min(EXAMINED)).map(|row| self.row(row).iter().map(|v| Some(*v)).collect());
+        let columns = 0..self.names.len();
+        let examined = self.rows().min(EXAMINED).min(EXAMINED_CELLS / self.names.len().max(1));
+        let first = (0..examined).map(|row| columns.clone().map(|column| Some(self.cell(row, column))).collect());
         let rows: Vec<Vec<Option<f64>>> = first.collect();
         let separator = Some('\t');
         let (joints, rows) = (options.joints.as_slice(), Some(rows.as_slice()));
@@ -72,7 +99,7 @@ impl Sheet {
         let layout = self.layout(path, options)?;
         let mut taken = Taken::default();
         for row in 0..self.rows() {
-            taken.add(path, &layout, row, self.row(row))?;
+            taken.add(path, &layout, row, &|column| self.cell(row, column))?;
         }
         taken.finish(path, self, layout)
     }
@@ -99,9 +126,9 @@ struct Taken {
 }
 
 impl Taken {
-    fn add(&mut self, path: &Path, layout: &Layout, row: usize, cells: &[f64]) -> Result<()> {
+    fn add(&mut self, path: &Path, layout: &Layout, row: usize, cell: &dyn Fn(usize) -> f64) -> Result<()> {
         let read = |source: &Source| {
-            let value = source.value(cells[source.column]);
+            let value = source.value(cell(source.column));
             if value.is_finite() && value.abs() > LARGEST {
                 let (name, row) = (layout.header(source), row + 1);
                 let message =
@@ -180,7 +207,11 @@ mod tests {
     use crate::testing::{error_text, file};
 
     fn sheet(names: &[&str], values: &[f64]) -> Sheet {
-        Sheet { names: names.iter().map(|name| (*name).to_owned()).collect(), values: values.to_vec(), unnamed: false }
+        Sheet {
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+            values: values.to_vec(),
+            ..Sheet::default()
+        }
     }
 
     fn read(sheet: &Sheet, columns: &[(&str, &str)]) -> Result<Recording> {
@@ -198,6 +229,14 @@ mod tests {
         let named = sheet(&["when", "linear.x"], &[0.0, 1.0, 1.0, 2.0, 2.0, 4.0]);
         let mapped = read(&named, &[("t_s", "when"), ("z_m", "-linear.x")]).unwrap();
         assert_eq!(mapped.observation.column(2).collect::<Vec<_>>(), [-1.0, -2.0, -4.0]);
+    }
+
+    #[test]
+    fn a_clock_that_stands_apart_is_the_first_column() {
+        let whole = sheet(&["t_s", "z_m", "b"], &[0.0, 1.0, 7.0, 0.5, 2.0, 8.0, 1.0, 4.0, 9.0]);
+        let apart = Sheet { clock: vec![0.0, 0.5, 1.0], values: vec![1.0, 7.0, 2.0, 8.0, 4.0, 9.0], ..whole.clone() };
+        assert_eq!(read(&apart, &[]).unwrap(), read(&whole, &[]).unwrap());
+        assert_eq!(read(&apart, &[("z_m", "3")]).unwrap(), read(&whole, &[("z_m", "3")]).unwrap());
     }
 
     #[test]

@@ -18,6 +18,8 @@ const PLAIN: &str = "1";
 
 /// The columns of an episode under their units.
 pub(crate) struct Unstated {
+    /// The name of their clock.
+    clock: String,
     names: Vec<String>,
     /// The name of each under its unit, where that is stated, and what its numbers are multiplied with.
     headers: Vec<String>,
@@ -60,27 +62,27 @@ impl Unstated {
             (ours, theirs)
         });
         let options = ReadOptions { columns: columns.collect(), ..options.clone() };
-        Ok(Self { names: names.to_vec(), headers, factors, options })
+        Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, options })
     }
 
-    /// Under which names the columns are looked for.
-    pub fn headers(&self) -> &[String] {
-        &self.headers
-    }
-
-    /// A number of a column in its unit; as it stands where that is not stated.
-    pub fn value(&self, column: usize, number: f64) -> f64 {
-        match self.factors[column] {
-            Some(factor) if factor != 1.0 => number * factor,
-            _ => number,
-        }
-    }
-
-    /// What `sheet`, in which these columns follow the clock, makes. `readings` gives the numbers of a column as the file has them.
+    /// What the columns with this clock make; `values` are their numbers as the file has them, row by row.
     ///
     /// # Errors
     /// [`Error::File`] with the flag to add where a column is asked for whose unit is not stated.
-    pub fn recording(&self, path: &Path, sheet: &Sheet, readings: &dyn Fn(usize) -> Vec<f64>) -> Result<Recording> {
+    pub fn recording(&self, path: &Path, clock: Vec<f64>, mut values: Vec<f64>) -> Result<Recording> {
+        let factors: Vec<(usize, f64)> = self
+            .factors
+            .iter()
+            .enumerate()
+            .filter_map(|(i, factor)| Some((i, (*factor).filter(|f| *f != 1.0)?)))
+            .collect();
+        for row in values.chunks_exact_mut(self.names.len().max(1)) {
+            for (column, factor) in &factors {
+                row[*column] *= factor;
+            }
+        }
+        let names = std::iter::once(&self.clock).chain(&self.headers).cloned().collect();
+        let sheet = &Sheet { names, clock, values, unnamed: false };
         let made = sheet.layout(path, &self.options);
         let asked: Vec<usize> = match &made {
             // The first column is the clock.
@@ -99,11 +101,13 @@ impl Unstated {
             return Ok(found);
         };
         let name = &self.names[*first];
-        let found = proposal(&readings(*first));
+        // Without a unit, the numbers are those of the file.
+        let proposed = |column: usize| proposal(&sheet.column(column + 1).collect::<Vec<f64>>());
+        let found = proposed(*first);
         let flags: Vec<String> = unknown
             .iter()
             .map(|column| {
-                let unit = proposal(&readings(*column)).unit.unwrap_or_else(|| "UNIT".into());
+                let unit = proposed(*column).unit.unwrap_or_else(|| "UNIT".into());
                 format!("{}={unit}", self.names[*column])
             })
             .collect();
@@ -140,10 +144,7 @@ mod tests {
         let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
         let units = units.split(',').map(|rule| UnitRule::parse(rule).unwrap()).collect();
         let unstated = Unstated::of("t_s", &names, &ReadOptions { columns, units, ..ReadOptions::default() })?;
-        let row = |time: f64| [time, unstated.value(0, 180.0), unstated.value(1, 180.0)];
-        let names = std::iter::once("t_s".to_owned()).chain(unstated.headers().iter().cloned()).collect();
-        let sheet = Sheet { names, values: [0.0, 1.0, 2.0].map(row).concat(), unnamed: false };
-        let found = unstated.recording(Path::new("a"), &sheet, &|_| Vec::new())?;
+        let found = unstated.recording(Path::new("a"), vec![0.0, 1.0, 2.0], vec![180.0; 6])?;
         Ok(found.observation.row(0).to_vec())
     }
 

@@ -37,10 +37,8 @@ pub(super) fn not_joints(columns: &Columns, environment: &str) -> Option<Note> {
     }
     let lower = environment.to_lowercase();
     let said = RELATIVE.iter().any(|word| lower.contains(word));
-    let far = actions
-        .iter()
-        .zip(&joints)
-        .filter(|(action, joint)| far(&columns.numbers[**action], &columns.numbers[**joint]));
+    let far =
+        actions.iter().zip(&joints).filter(|(action, joint)| far(columns.column(**action), columns.column(**joint)));
     let shows = 2 * far.count() > actions.len();
     if !said && !shows {
         return None;
@@ -55,10 +53,10 @@ pub(super) fn not_joints(columns: &Columns, environment: &str) -> Option<Note> {
 }
 
 /// Whether an action stays far from what the joint does.
-fn far(action: &[f64], joint: &[f64]) -> bool {
-    let count = joint.len().max(1) as f64;
-    let mean = joint.iter().sum::<f64>() / count;
-    let spread = (joint.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let distance = (action.iter().zip(joint).map(|(a, q)| (a - q).powi(2)).sum::<f64>() / count).sqrt();
+fn far(action: impl Iterator<Item = f64>, joint: impl Iterator<Item = f64> + Clone) -> bool {
+    let count = joint.clone().count().max(1) as f64;
+    let mean = joint.clone().sum::<f64>() / count;
+    let spread = (joint.clone().map(|q| (q - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let distance = (action.zip(joint).map(|(a, q)| (a - q).powi(2)).sum::<f64>() / count).sqrt();
     distance > FAR * spread && distance > 0.0
 }

@@ -6,11 +6,10 @@ use serde_json::Value;
 
 use super::Demonstrations;
 use super::actions::not_joints;
-use super::tree::Columns;
+use super::tree::{Array, Columns};
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording};
-use crate::sheet::Sheet;
 use crate::unstated::Unstated;
 use crate::{Error, Result};
 use tunenet_core::observation::Note;
@@ -18,64 +17,63 @@ use tunenet_core::observation::Note;
 /// What arrays of times are called where they do not say their unit.
 const TIMES: [&str; 5] = ["timestamp", "timestamps", "time", "times", "t"];
 
+/// The clock of so many rows at this rate, and what it is called.
+fn counted_at(rate: f64, rows: usize) -> (String, Vec<f64>) {
+    ("t_s".to_owned(), (0..rows).map(|row| row as f64 / rate).collect())
+}
+
 impl Demonstrations {
     /// The observation that an episode makes, with its columns in the units that `options` say.
     ///
     /// # Errors
     /// [`Error::File`] where there is no such episode, it has no time base, or a column is asked for whose unit nothing states.
     pub fn read(&self, path: &Path, name: Option<&str>, options: &ReadOptions) -> Result<Recording> {
-        let columns = self.columns(self.group(name)?)?;
         let is_time = |name: &str| matches!(meaning(name), Meaning::Known(Quantity::Time, _));
         // A clock has a unit in its name, or is mapped with one.
-        let mapped = |name: &String| options.columns.iter().any(|(ours, theirs)| is_time(ours) && theirs == name);
-        let (clocks, others): (Vec<usize>, Vec<usize>) =
-            (0..columns.names.len()).partition(|i| is_time(&columns.names[*i]) || mapped(&columns.names[*i]));
-        let (rate, note) = match (options.rate_hz, clocks.as_slice()) {
-            (None, [_, ..]) => (None, None),
-            (Some(rate), _) => (Some(rate), None),
-            (None, []) => match self.rate() {
+        let mapped = |name: &str| options.columns.iter().any(|(ours, theirs)| is_time(ours) && theirs == name);
+        let mut columns = self.columns(self.group(name)?, &|name| is_time(name) || mapped(name))?;
+        let (clock, note) = match (options.rate_hz, columns.clocks.is_empty()) {
+            (None, false) => (columns.clocks.swap_remove(0), None),
+            (Some(rate), _) => (counted_at(rate, columns.rows), None),
+            (None, true) => match self.rate() {
                 Some(rate) => {
                     let text = format!(
                         "the clock is the number of each row over {rate} Hz, which the file states: jitter is not in it"
                     );
-                    (Some(rate), Some(Note::new(findings::CLOCK_COMPUTED, text, "")))
+                    (counted_at(rate, columns.rows), Some(Note::new(findings::CLOCK_COMPUTED, text, "")))
                 }
                 None => return Err(self.no_clock(&columns)),
             },
         };
-        let names: Vec<String> = others.iter().map(|i| columns.names[*i].clone()).collect();
-        let clock_name = if rate.is_some() { "t_s".to_owned() } else { columns.names[clocks[0]].clone() };
-        let unstated = Unstated::of(&clock_name, &names, options)?;
-        let clock: Vec<f64> = match rate {
-            Some(rate) => (0..columns.rows).map(|row| row as f64 / rate).collect(),
-            None => columns.numbers[clocks[0]].clone(),
-        };
-        let row = |row: usize| {
-            let numbers = others.iter().enumerate().map(move |(at, i)| (at, *i));
-            let value = |(at, i): (usize, usize)| unstated.value(at, columns.numbers[i][row]);
-            std::iter::once(clock[row]).chain(numbers.map(value)).collect::<Vec<f64>>()
-        };
-        let values = (0..columns.rows).flat_map(row).collect();
-        let headers = std::iter::once(clock_name).chain(unstated.headers().iter().cloned()).collect();
-        let sheet = Sheet { names: headers, values, unnamed: false };
-        let readings = |column: usize| columns.numbers[others[column]].clone();
-        let found = unstated.recording(path, &sheet, &readings)?;
-        let mut notes: Vec<Note> = note.into_iter().collect();
+        let unstated = Unstated::of(&clock.0, &columns.names, options)?;
         let uses_actions = options.columns.iter().any(|(_, theirs)| theirs.contains("action"));
-        notes.extend(not_joints(&columns, &self.environment).filter(|_| uses_actions));
+        let actions = uses_actions.then(|| not_joints(&columns, &self.environment)).flatten();
+        let found = unstated.recording(path, clock.1, columns.values)?;
+        let mut notes: Vec<Note> = note.into_iter().collect();
+        notes.extend(actions);
         notes.extend(found.notes);
         Ok(Recording { notes, ..found })
     }
 
-    /// The columns of a group: a list is one, an array of rows as many as a row has numbers.
-    pub(super) fn columns(&self, group: &str) -> Result<Columns> {
-        let mut all = Columns { names: Vec::new(), numbers: Vec::new(), rows: 0 };
-        for array in self.arrays(group)? {
+    /// The columns of a group; those that are clocks stand apart.
+    pub(super) fn columns(&self, group: &str, is_clock: &dyn Fn(&str) -> bool) -> Result<Columns> {
+        let arrays = self.arrays(group)?;
+        let names: Vec<String> = arrays.iter().flat_map(Array::column_names).filter(|name| !is_clock(name)).collect();
+        let (width, rows) = (names.len(), arrays.first().map_or(0, |array| array.rows));
+        let mut all = Columns { names, values: vec![0.0; rows * width], rows, clocks: Vec::new() };
+        let mut at = 0;
+        for array in arrays {
             let numbers = array.numbers(&self.path)?;
-            all.rows = array.rows;
-            all.names.extend(array.column_names());
-            for column in 0..array.width {
-                all.numbers.push(numbers.iter().skip(column).step_by(array.width).copied().collect());
+            for (column, name) in array.column_names().into_iter().enumerate() {
+                let readings = numbers.iter().skip(column).step_by(array.width).copied();
+                if is_clock(&name) {
+                    all.clocks.push((name, readings.collect()));
+                    continue;
+                }
+                for (row, reading) in readings.enumerate() {
+                    all.values[row * width + at] = reading;
+                }
+                at += 1;
             }
         }
         Ok(all)
@@ -96,7 +94,7 @@ impl Demonstrations {
             let hint = "say how many rows a second it has, after a look at the recorder: `--rate HZ`";
             return Error::file(&self.path, message, hint);
         };
-        let (name, numbers) = (&columns.names[time], &columns.numbers[time]);
+        let (name, numbers) = (&columns.names[time], columns.column(time).collect::<Vec<f64>>());
         if numbers.windows(2).any(|pair| pair[1] <= pair[0]) {
             let message = format!(
                 "`{name}` does not rise (single precision cannot hold times since 1970), and the file states no rate"

@@ -5,10 +5,8 @@ use super::actions::not_joints;
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
-use crate::proposal::proposal;
 use crate::recording::ReadOptions;
 use crate::shown::list;
-use crate::units;
 use tunenet_core::observation::Note;
 
 /// Most episodes whose length is looked for.
@@ -21,15 +19,11 @@ impl Demonstrations {
     /// Where there is no such episode, or the file cannot be used.
     pub fn listing(&self, name: Option<&str>, options: &ReadOptions) -> Result<Episodes> {
         let named = name.map(|_| self.group(name)).transpose()?;
-        let first = self.columns(named.unwrap_or(&self.episodes[0].1))?;
-        let column = |(name, readings): (&String, &Vec<f64>)| {
-            let found = proposal(readings);
-            let unit = units::rule(&options.units, name).map(|rule| {
-                if rule.factor == 1.0 { rule.unit.clone() } else { format!("{}{}", rule.factor, rule.unit) }
-            });
-            EpisodeColumn { name: name.clone(), unit, proposed: found.unit, why: found.why }
+        let first = self.columns(named.unwrap_or(&self.episodes[0].1), &|_| false)?;
+        let column = |(i, name): (usize, &String)| {
+            EpisodeColumn::of(name, &first.column(i).collect::<Vec<f64>>(), &options.units)
         };
-        let columns: Vec<EpisodeColumn> = first.names.iter().zip(&first.numbers).map(column).collect();
+        let columns: Vec<EpisodeColumn> = first.names.iter().enumerate().map(column).collect();
         let mut episodes = Vec::with_capacity(self.episodes.len());
         let listed = self.episodes.iter().filter(|(_, group)| named.is_none_or(|named| named == group));
         for (i, (name, group)) in listed.enumerate() {

@@ -8,6 +8,7 @@ use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 use super::broken;
 use crate::numbered::split;
 use crate::recording::MOST_NUMBERS;
+use crate::sheet::most_common_rows;
 use crate::shown::list;
 use crate::{Error, Result};
 use tunenet_core::observation::FEWEST_SAMPLES;
@@ -34,9 +35,18 @@ pub(super) struct Found {
 /// The numbers of an episode, a row for each instant.
 pub(super) struct Columns {
     pub names: Vec<String>,
-    /// Column by column.
-    pub numbers: Vec<Vec<f64>>,
+    /// Row by row.
+    pub values: Vec<f64>,
     pub rows: usize,
+    /// Columns that stand apart, with their names.
+    pub clocks: Vec<(String, Vec<f64>)>,
+}
+
+impl Columns {
+    /// The numbers of a column.
+    pub fn column(&self, column: usize) -> impl Iterator<Item = f64> + Clone {
+        self.values.iter().skip(column).step_by(self.names.len().max(1)).copied()
+    }
 }
 
 /// An array with a row for each instant.
@@ -229,7 +239,7 @@ pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>
             return Err(Error::file(path, message, "is this the right file?"));
         }
     }
-    let rows = most_common(&found);
+    let rows = most_common_rows(found.iter().map(|array| array.rows)).unwrap_or(0);
     found.retain(|array| array.rows == rows);
     found.sort_by(|a, b| a.name.cmp(&b.name));
     if found.iter().map(|array| array.rows * array.width).sum::<usize>() > MOST_NUMBERS {
@@ -237,12 +247,6 @@ pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>
         return Err(Error::file(path, message, "cut the episode into shorter ones"));
     }
     Ok(found)
-}
-
-/// How many rows most arrays have; of equally many, the larger number.
-fn most_common(arrays: &[Array]) -> usize {
-    let count = |rows: usize| arrays.iter().filter(|array| array.rows == rows).count();
-    arrays.iter().map(|array| array.rows).max_by_key(|rows| (count(*rows), *rows)).unwrap_or(0)
 }
 
 /// Rows, numbers in a row, and whether it is a list; `None` for what has no row of numbers for each of three instants.

@@ -1,5 +1,6 @@
 //! The columns of one episode: states under the names of the joints, commands under `action.` and these names.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::DataSet;
@@ -8,7 +9,6 @@ use super::info::{Feature, Layout};
 use crate::findings;
 use crate::parquet::{Holds, Numbers, Parquet};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
-use crate::sheet::Sheet;
 use crate::shown::list;
 use crate::unstated::Unstated;
 use crate::{Error, Result};
@@ -36,16 +36,7 @@ impl DataSet {
         let (clock, note) = self.clock(&frames, path)?;
         let mut notes: Vec<Note> = note.into_iter().chain(still(&frames)).collect();
         let unstated = Unstated::of("t_s", &frames.names, options)?;
-        let width = frames.names.len();
-        let rows = clock.iter().zip(frames.values.chunks_exact(width.max(1)));
-        let row = |(time, row): (&f64, &[f64])| -> Vec<f64> {
-            std::iter::once(*time).chain(row.iter().enumerate().map(|(i, v)| unstated.value(i, *v))).collect()
-        };
-        let values = rows.flat_map(row).collect();
-        let names = std::iter::once("t_s".to_owned()).chain(unstated.headers().iter().cloned()).collect();
-        let sheet = Sheet { names, values, unnamed: false };
-        let readings = |column: usize| frames.values.iter().skip(column).step_by(width).copied().collect::<Vec<f64>>();
-        let found = unstated.recording(path, &sheet, &readings)?;
+        let found = unstated.recording(path, clock, frames.values)?;
         notes.extend(found.notes);
         Ok(Recording { notes, ..found })
     }
@@ -72,30 +63,35 @@ impl DataSet {
     fn add(&self, file: &Path, number: u64, all: &mut Frames) -> Result<()> {
         let table = Parquet::open(file)?;
         for group in 0..table.groups() {
-            let column = |name: &str| {
-                let known = table.columns().iter().find(|c| c.name == name && c.of == Holds::Number);
-                known.map(|column| table.numbers(group, column)).transpose()
-            };
-            // Where nothing says whose frames these are, all are the episode's.
-            let rows = match (column("episode_index")?, self.info.features.first()) {
-                (Some(found), _) => self.rows_of(file, number, &found.values)?,
-                (None, Some(feature)) => (0..wide(&table, group, feature)?.rows).collect(),
-                (None, None) => Vec::new(),
-            };
-            if rows.is_empty() {
+            let column = |name: &str| table.columns().iter().find(|c| c.name == name && c.of == Holds::Number);
+            let index = column("episode_index");
+            if self.info.layout == Layout::Shared && index.is_some_and(|index| !table.may_hold(group, index, number)) {
                 continue;
             }
-            let first = all.numbers.len();
-            let of_rows = |found: Numbers| rows.iter().map(|row| found.values[*row]).collect::<Vec<f64>>();
-            let counted = || (first..first + rows.len()).map(|i| i as f64).collect();
-            all.numbers.extend(column("frame_index")?.map_or_else(counted, of_rows));
+            // Where nothing says whose frames these are, all are the episode's.
+            let rows = match (index, self.info.features.first()) {
+                (Some(index), _) => self.rows_of(file, number, &table.numbers(group, index)?.values)?,
+                (None, Some(feature)) => (0..wide(&table, group, feature, None)?.rows).collect(),
+                (None, None) => Vec::new(),
+            };
+            let (Some(first), Some(last)) = (rows.first().copied(), rows.last().copied()) else { continue };
+            // An episode is read by itself, however many others stand in its group.
+            let part = first..last + 1;
+            let single = |name: &str| -> Result<Option<Vec<f64>>> {
+                let Some(column) = column(name) else { return Ok(None) };
+                let found = table.numbers_of(group, column, &part)?;
+                Ok(Some(rows.iter().map(|row| found.values[*row - first]).collect()))
+            };
+            let known = all.numbers.len();
+            let counted = || (known..known + rows.len()).map(|i| i as f64).collect();
+            all.numbers.extend(single("frame_index")?.unwrap_or_else(counted));
             let rate = self.info.rate_hz;
-            let computed = || all.numbers[first..].iter().map(|number| number / rate).collect();
-            let stamps = column("timestamp")?.map_or_else(computed, of_rows);
+            let computed = || all.numbers[known..].iter().map(|number| number / rate).collect();
+            let stamps = single("timestamp")?.unwrap_or_else(computed);
             all.stamps.extend(stamps);
-            let read = |feature: &Feature| wide(&table, group, feature);
+            let read = |feature: &Feature| wide(&table, group, feature, Some(&part));
             let features = self.info.features.iter().map(read).collect::<Result<Vec<Numbers>>>()?;
-            for row in rows {
+            for row in rows.iter().map(|row| row - first) {
                 for found in &features {
                     all.values.extend_from_slice(&found.values[row * found.width..(row + 1) * found.width]);
                 }
@@ -140,9 +136,13 @@ impl DataSet {
     }
 }
 
-/// The numbers of a feature, as many in each row as it has names.
-fn wide(table: &Parquet, group: usize, feature: &Feature) -> Result<Numbers> {
-    let found = table.numbers(group, table.column(&feature.column)?)?;
+/// The numbers of a feature in all rows of a group or some of them, as many in each row as it has names.
+fn wide(table: &Parquet, group: usize, feature: &Feature, rows: Option<&Range<usize>>) -> Result<Numbers> {
+    let column = table.column(&feature.column)?;
+    let found = match rows {
+        Some(rows) => table.numbers_of(group, column, rows)?,
+        None => table.numbers(group, column)?,
+    };
     if found.width == feature.names.len() {
         return Ok(found);
     }

@@ -5,7 +5,6 @@ use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
 use crate::numbered::EPISODE;
-use crate::proposal::proposal;
 use crate::recording::ReadOptions;
 use crate::shown::{counted, list};
 use crate::units;
@@ -35,21 +34,16 @@ impl DataSet {
         for episode in listed.iter().take(MOST_READ) {
             let frames = self.frames_of(episode)?;
             names = frames.names;
-            values.extend(frames.values);
-            if values.len() >= LOOKED_AT * names.len() {
+            let left = LOOKED_AT * names.len() - values.len();
+            values.extend_from_slice(&frames.values[..frames.values.len().min(left)]);
+            if frames.values.len() >= left {
                 break;
             }
         }
         units::refuse_unused(&options.units, &names)?;
         let width = names.len().max(1);
-        let column = |(i, name): (usize, &String)| {
-            let readings: Vec<f64> = values.iter().skip(i).step_by(width).copied().collect();
-            let found = proposal(&readings);
-            let unit = units::rule(&options.units, name).map(|rule| {
-                if rule.factor == 1.0 { rule.unit.clone() } else { format!("{}{}", rule.factor, rule.unit) }
-            });
-            EpisodeColumn { name: name.clone(), unit, proposed: found.unit, why: found.why }
-        };
+        let readings = |column: usize| values.iter().skip(column).step_by(width).copied().collect::<Vec<f64>>();
+        let column = |(i, name): (usize, &String)| EpisodeColumn::of(name, &readings(i), &options.units);
         let columns: Vec<EpisodeColumn> = names.iter().enumerate().map(column).collect();
         let suggested = columns.iter().filter(|column| column.unit.is_none());
         let flags = suggested.filter_map(|column| Some(format!("{}={}", column.name, column.proposed.as_ref()?)));

@@ -4,8 +4,10 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
+use parquet::column::reader::ColumnReader;
 use parquet::data_type::{FloatType, Int64Type};
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use serde_json::{Value, json};
@@ -109,6 +111,52 @@ fn an_episode_reads_alike_from_files_of_its_own_and_from_shared_ones() {
     std::fs::rename(old.join("data/chunk-000/episode_000001.parquet"), moved).unwrap();
     let (message, _) = error_text(&read(old.join("episode_9"), &options).unwrap_err());
     assert!(message.ends_with("expected frames of episode 9, found one of episode 1"), "{message}");
+}
+
+#[test]
+fn an_episode_amid_a_group_of_rows_reads_as_by_itself() {
+    let (_folder, old, new) = both();
+    // One group of rows, as other writers make: all three episodes in pages of seven rows.
+    let path = new.join("data/chunk-000/file-000.parquet");
+    std::fs::remove_file(new.join("data/chunk-000/file-001.parquet")).unwrap();
+    let whole = new.join("whole.parquet");
+    data(&whole, &[(0, 40), (1, 50), (2, 60)]);
+    let merged = SerializedFileReader::new(File::open(&whole).unwrap()).unwrap();
+    let schema = merged.metadata().file_metadata().schema_descr().root_schema_ptr();
+    let properties =
+        Arc::new(WriterProperties::builder().set_data_page_row_count_limit(7).set_write_batch_size(5).build());
+    let mut writer = SerializedFileWriter::new(File::create(&path).unwrap(), schema, properties).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for at in 0..5 {
+        let (mut floats, mut whole, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for part in 0..3 {
+            let rows = merged.get_row_group(part).unwrap();
+            match rows.get_column_reader(at).unwrap() {
+                ColumnReader::FloatColumnReader(mut from) => {
+                    from.read_records(1000, Some(&mut definition), Some(&mut repetition), &mut floats).unwrap();
+                }
+                ColumnReader::Int64ColumnReader(mut from) => {
+                    from.read_records(1000, None, None, &mut whole).unwrap();
+                }
+                _ => panic!("another column"),
+            }
+        }
+        let mut column = group.next_column().unwrap().unwrap();
+        if at < 3 {
+            let levels = (at < 2).then_some(());
+            let written = column.typed::<FloatType>();
+            written.write_batch(&floats, levels.map(|()| &definition[..]), levels.map(|()| &repetition[..])).unwrap();
+        } else {
+            column.typed::<Int64Type>().write_batch(&whole, None, None).unwrap();
+        }
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+    for episode in ["episode_0", "episode_1", "episode_2"] {
+        let alone = read(old.join(episode), &state("rad")).unwrap();
+        assert_eq!(read(new.join(episode), &state("rad")).unwrap(), alone, "{episode}");
+    }
 }
 
 #[test]

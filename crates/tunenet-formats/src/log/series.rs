@@ -252,7 +252,7 @@ impl<'a> Series<'a> {
         }
         let time_s: Vec<f64> = clock.into_iter().map(to_s).collect();
         if !self.names.is_empty() {
-            return self.into_columns(&time_s, &values, notes, options);
+            return self.into_columns(time_s, values, notes, options);
         }
         let observation = match self.kind {
             // The clock of an impact is its number, and its value the time.
@@ -265,17 +265,14 @@ impl<'a> Series<'a> {
     /// What the numbers of its messages make, as the columns of a table do.
     fn into_columns(
         self,
-        time_s: &[f64],
-        values: &[f64],
+        clock: Vec<f64>,
+        values: Vec<f64>,
         notes: Vec<Note>,
         options: &ReadOptions,
     ) -> Result<Recording> {
-        let width = self.names.len();
-        let rows = time_s.iter().zip(values.chunks_exact(width));
-        let values = rows.flat_map(|(time, row)| std::iter::once(*time).chain(row.iter().copied())).collect();
         let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
-        let found =
-            Sheet { names, values, unnamed: false }.recording(self.path, &columns::reading(self.topic, options))?;
+        let sheet = Sheet { names, clock, values, unnamed: false };
+        let found = sheet.recording(self.path, &columns::reading(self.topic, options))?;
         let notes = notes.into_iter().chain(found.notes).collect();
         Ok(Recording { notes, ..found })
     }

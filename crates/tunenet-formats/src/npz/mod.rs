@@ -12,7 +12,7 @@ use zip::CompressionMethod;
 
 use self::array::Array;
 use crate::recording::MOST_NUMBERS;
-use crate::sheet::Sheet;
+use crate::sheet::{Sheet, most_common_rows};
 use crate::shown::list;
 use crate::source::open;
 use crate::{Error, Result};
@@ -39,9 +39,9 @@ pub(crate) fn single(path: &Path) -> Result<Sheet> {
     let array = Array::read(BufReader::new(open(path)?)).map_err(|why| Error::file(path, why, AGAIN))?;
     if array.names.is_empty() {
         let names = vec![String::new(); array.width];
-        return Ok(Sheet { names, values: array.values, unnamed: true });
+        return Ok(Sheet { names, values: array.values, unnamed: true, ..Sheet::default() });
     }
-    Ok(Sheet { names: array.names, values: array.values, unnamed: false })
+    Ok(Sheet { names: array.names, values: array.values, ..Sheet::default() })
 }
 
 /// The columns of the arrays in an `.npz` file that have as many rows as most of them: `NAME`, or `NAME.0` … of an array of rows.
@@ -77,9 +77,7 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
             return Err(broken(format!("expected at most {MOST_NUMBERS} numbers, found more")));
         }
     }
-    let rows = arrays.iter().map(|(_, array)| array.rows).filter(|rows| *rows >= FEWEST_SAMPLES);
-    let count = |rows: usize| arrays.iter().filter(|(_, array)| array.rows == rows).count();
-    let Some(rows) = rows.max_by_key(|rows| (count(*rows), *rows)) else {
+    let Some(rows) = most_common_rows(arrays.iter().map(|(_, array)| array.rows)) else {
         let why = list(refused.iter().map(String::as_str), 3);
         let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none ({why})");
         return Err(Error::file(path, message, "save the series as arrays of numbers"));
@@ -96,7 +94,7 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
     let row =
         |row: usize| arrays.iter().flat_map(move |(_, a)| a.values[row * a.width..(row + 1) * a.width].iter().copied());
     let values = (0..rows).flat_map(row).collect();
-    Ok(Sheet { names, values, unnamed: false })
+    Ok(Sheet { names, values, ..Sheet::default() })
 }
 
 #[cfg(test)]

@@ -7,12 +7,14 @@ mod pages;
 mod values;
 
 use std::fs::File;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, TimestampType, Type as Physical};
 use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescriptor;
 
 use self::pages::Counted;
@@ -124,6 +126,31 @@ impl Parquet {
     /// # Errors
     /// [`Error::File`] where they are broken, too many, or not as many in each row.
     pub fn numbers(&self, group: usize, column: &Column) -> Result<Numbers> {
+        let found = self.read(group, column, &(0..usize::MAX))?;
+        self.expect(group, column, self.rows(group), found)
+    }
+
+    /// The same of some of its rows; those before them are not kept.
+    ///
+    /// # Errors
+    /// As [`Self::numbers`].
+    pub fn numbers_of(&self, group: usize, column: &Column, rows: &Range<usize>) -> Result<Numbers> {
+        self.expect(group, column, rows.len() as u64, self.read(group, column, rows)?)
+    }
+
+    /// Whether a column of a group may hold a number, as far as the file states the least and the greatest of them.
+    pub fn may_hold(&self, group: usize, column: &Column, number: u64) -> bool {
+        match self.reader.metadata().row_group(group).column(column.index).statistics() {
+            Some(Statistics::Int64(stated)) => {
+                let number = i64::try_from(number).unwrap_or(i64::MAX);
+                stated.min_opt().is_none_or(|least| *least <= number)
+                    && stated.max_opt().is_none_or(|greatest| *greatest >= number)
+            }
+            _ => true,
+        }
+    }
+
+    fn read(&self, group: usize, column: &Column, of: &Range<usize>) -> Result<Numbers> {
         let read = || -> std::result::Result<Numbers, ParquetError> {
             let rows = self.reader.get_row_group(group)?;
             let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
@@ -136,30 +163,34 @@ impl Parquet {
             };
             match (reader, column.of) {
                 (ColumnReader::BoolColumnReader(reader), _) => {
-                    values::read(reader, levels, |v| f64::from(u8::from(*v)))
+                    values::read(reader, levels, of, |v| f64::from(u8::from(*v)))
                 }
-                (ColumnReader::Int32ColumnReader(reader), _) => values::read(reader, levels, |v| f64::from(*v)),
+                (ColumnReader::Int32ColumnReader(reader), _) => values::read(reader, levels, of, |v| f64::from(*v)),
                 (ColumnReader::Int64ColumnReader(reader), Holds::Instant(a_second)) => {
-                    values::read(reader, levels, |v| seconds(*v, a_second))
+                    values::read(reader, levels, of, |v| seconds(*v, a_second))
                 }
-                (ColumnReader::Int64ColumnReader(reader), _) => values::read(reader, levels, |v| *v as f64),
-                (ColumnReader::FloatColumnReader(reader), _) => values::read(reader, levels, |v| f64::from(*v)),
-                (ColumnReader::DoubleColumnReader(reader), _) => values::read(reader, levels, |v| *v),
+                (ColumnReader::Int64ColumnReader(reader), _) => values::read(reader, levels, of, |v| *v as f64),
+                (ColumnReader::FloatColumnReader(reader), _) => values::read(reader, levels, of, |v| f64::from(*v)),
+                (ColumnReader::DoubleColumnReader(reader), _) => values::read(reader, levels, of, |v| *v),
                 _ => Err(ParquetError::General("no column of numbers".into())),
             }
         };
-        let found = read().map_err(|e| match e {
+        read().map_err(|e| match e {
             ParquetError::General(why) | ParquetError::NYI(why) => {
                 Error::file(&self.path, format!("column `{}` cannot be read: {why}", column.name), AGAIN)
             }
             other => broken(&self.path, &other),
-        })?;
-        if found.rows as u64 != self.rows(group) {
-            let (expected, found) = (self.rows(group), found.rows);
-            let message = format!("column `{}`: expected {expected} rows in group {group}, found {found}", column.name);
-            return Err(Error::file(&self.path, message, AGAIN));
+        })
+    }
+
+    /// `found`, where it has as many rows as are expected.
+    fn expect(&self, group: usize, column: &Column, expected: u64, found: Numbers) -> Result<Numbers> {
+        if found.rows as u64 == expected {
+            return Ok(found);
         }
-        Ok(found)
+        let found = found.rows;
+        let message = format!("column `{}`: expected {expected} rows in group {group}, found {found}", column.name);
+        Err(Error::file(&self.path, message, AGAIN))
     }
 
     /// What the columns of the whole file are called as one table. Of lists, the first group of rows is read.

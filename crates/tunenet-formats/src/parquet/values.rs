@@ -1,5 +1,7 @@
 //! The values of one column, distinguished by their levels.
 
+use std::ops::Range;
+
 use parquet::column::reader::ColumnReaderImpl;
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -26,17 +28,22 @@ pub(crate) struct Numbers {
     pub rows: usize,
 }
 
-/// All values of a column in a group of rows.
+/// The values of these rows of a column, as far as there are so many.
 pub(super) fn read<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     levels: Levels,
+    rows: &Range<usize>,
     number: impl Fn(&T::T) -> f64,
 ) -> Result<Numbers, ParquetError> {
     let mut found = Ragged::default();
+    if rows.start > 0 && reader.skip_records(rows.start)? < rows.start {
+        return found.even();
+    }
+    let mut left = rows.len();
     loop {
         let (mut definition, mut repetition, mut values) = (Vec::new(), Vec::new(), Vec::new());
         let (records, _, _) = reader.read_records(
-            BATCH,
+            BATCH.min(left),
             (levels.definition > 0).then_some(&mut definition),
             (levels.repetition > 0).then_some(&mut repetition),
             &mut values,
@@ -44,6 +51,7 @@ pub(super) fn read<T: DataType>(
         if records == 0 {
             return found.even();
         }
+        left = left.saturating_sub(records);
         found.add(levels, &definition, &repetition, values.iter().map(&number))?;
         if found.values.len() > MOST_NUMBERS || found.starts.len() > MOST_NUMBERS {
             return Err(ParquetError::General(format!("expected at most {MOST_NUMBERS} numbers, found more")));
