@@ -14,6 +14,9 @@ pub(crate) const MOST_COLUMNS: usize = 1_000;
 /// Most fields and elements that are walked through in one message: elements of messages without fields take no bytes.
 const MOST_STEPS: usize = 4_000_000;
 
+/// Most bytes behind the last field of a message, which fill it up to a multiple of eight: with more, it is of another type.
+const MOST_PADDING: usize = 7;
+
 /// The numbers of one message.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Numbers {
@@ -43,6 +46,9 @@ pub(crate) fn numbers(fields: &Fields, data: &[u8], names: bool) -> std::result:
         left: MOST_STEPS,
     };
     walk.message(fields)?;
+    if walk.body.len() - walk.at > MOST_PADDING {
+        return Err(walk.misfit());
+    }
     Ok(walk.found)
 }
 
@@ -65,6 +71,10 @@ type Walked = std::result::Result<(), String>;
 impl Walk<'_> {
     fn message(&mut self, fields: &[Field]) -> Walked {
         let known = self.labels.len();
+        if fields.is_empty() {
+            // ROS 2 writes a byte for a message without fields, since a structure of C needs a member.
+            self.take(1, 1)?;
+        }
         for field in fields {
             let outer = self.path.len();
             self.enter(&field.name);
@@ -163,9 +173,13 @@ impl Walk<'_> {
     fn take(&mut self, count: usize, aligned: usize) -> std::result::Result<&[u8], String> {
         let start = self.at.next_multiple_of(aligned);
         let bytes = start.checked_add(count).and_then(|end| self.body.get(start..end));
-        let bytes = bytes.ok_or_else(|| format!("{} bytes do not fit its type", self.body.len() + 4))?;
+        let bytes = bytes.ok_or_else(|| self.misfit())?;
         self.at = start + count;
         Ok(bytes)
+    }
+
+    fn misfit(&self) -> String {
+        format!("{} bytes do not fit its type", self.body.len() + 4)
     }
 
     fn unsigned(&mut self, bytes: usize) -> std::result::Result<u64, String> {
@@ -205,7 +219,7 @@ impl Walk<'_> {
         let count = usize::try_from(self.unsigned(4)?).unwrap_or(usize::MAX);
         let left = self.body.len() - self.at;
         if count > left {
-            return Err(format!("{} bytes do not fit its type", self.body.len() + 4));
+            return Err(self.misfit());
         }
         self.found.layout.extend(u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes());
         Ok(count)
@@ -266,13 +280,29 @@ mod tests {
         assert_eq!(found.values, [1.0, 2.0, 7.0, 3.0, 4.0]);
     }
 
+    /// `test_msgs/Arrays` of ROS 2 has messages of constants alone between its fields.
+    #[test]
+    fn a_message_without_fields_takes_a_byte() {
+        let fields = fields("odd/A", "odd/E[3] none\nint8 a\n====\nMSG: odd/E\nint8 MOST=7\n", &[]).unwrap();
+        assert_eq!(numbers(&fields, &message(&[&[0; 3], &[5]]), true).unwrap().values, [5.0]);
+    }
+
+    #[test]
+    fn a_message_that_goes_on_behind_its_definition_is_of_another_type() {
+        let fields = fields("odd/A", "uint8 level", &[]).unwrap();
+        assert_eq!(numbers(&fields, &message(&[&[5], &[0; 7]]), true).unwrap().values, [5.0]);
+        let refused = numbers(&fields, &message(&[&[5], &[0; 8]]), true).unwrap_err();
+        assert_eq!(refused, "13 bytes do not fit its type");
+    }
+
     #[test]
     fn lengths_of_any_size_are_refused() {
         let fields = fields("std_msgs/Float64MultiArray", "", &[]).unwrap();
         let data = message(&[&u32::MAX.to_le_bytes(), &[0; 8]]);
         assert!(numbers(&fields, &data, false).unwrap_err().contains("do not fit its type"));
         let empties =
-            super::super::schema::fields("odd/A", "odd/E[4294967295] all\n====\nMSG: odd/E\n\n", &[]).unwrap();
+            super::super::schema::fields("odd/A", "odd/E[4294967295] all\n====\nMSG: odd/E\nint8[0] none\n", &[])
+                .unwrap();
         assert_eq!(numbers(&empties, &data, false).unwrap_err(), "holds more elements than are read");
     }
 }
