@@ -25,6 +25,8 @@ pub struct Episodes {
     pub robot: String,
     /// Frames per second, where it says so.
     pub rate_hz: Option<f64>,
+    /// Whether it says nothing of times: no rate, and no column of times with their unit.
+    pub lacks_clock: bool,
     /// The episodes that can be read, in their order.
     pub episodes: Vec<EpisodeLength>,
     /// Its columns of numbers.

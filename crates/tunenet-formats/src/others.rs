@@ -16,7 +16,7 @@ use crate::parquet::Parquet;
 use crate::place::{Place, is_data_set};
 use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
-use crate::{Episodes, Error, Result};
+use crate::{Episodes, Error, Result, shell_word};
 
 /// The columns of a file of one table.
 ///
@@ -128,8 +128,16 @@ pub(crate) fn no_recording(folder: &Path) -> Error {
         return Error::file(folder, message, "download the folder `meta` as well, or give one `.parquet` file");
     }
     let message = "expected a recording, found a folder that holds none (ROS 2 bag, LeRobot data set)";
-    Error::file(folder, message, "name one file in it")
+    let named = |path: &PathBuf| ENDINGS.iter().any(|ending| path.to_string_lossy().to_lowercase().ends_with(ending));
+    let hint = some_files(folder).iter().find(|path| named(path)).map_or_else(
+        || "name one file in it".to_owned(),
+        |path| format!("name one file in it, such as {}", shell_word(&path.to_string_lossy())),
+    );
+    Error::file(folder, message, hint)
 }
+
+/// How the names of recordings end.
+const ENDINGS: [&str; 9] = [".csv", ".mcap", ".db3", ".hdf5", ".h5", ".parquet", ".npz", ".npy", ".zstd"];
 
 /// Files in a folder and the folders below it, as many as show what it is.
 fn some_files(folder: &Path) -> Vec<PathBuf> {

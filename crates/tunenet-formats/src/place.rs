@@ -65,6 +65,9 @@ mod tests {
             let (message, _) = error_text(&read(&missing, &ReadOptions::default()).unwrap_err());
             assert_eq!(message, format!("{name}: no such file"));
         }
+        let (message, hint) = error_text(&read(folder.path(), &ReadOptions::default()).unwrap_err());
+        assert!(message.contains("found a folder that holds none"), "{message}");
+        assert!(hint.starts_with("name one file in it, such as /") && hint.ends_with("/a.csv"), "{hint}");
         std::fs::create_dir(folder.path().join("meta")).unwrap();
         std::fs::write(folder.path().join("meta/info.json"), "{}").unwrap();
         assert_eq!(Place::of(&folder.path().join("b.csv")).episode, None);

@@ -42,7 +42,7 @@ pub(crate) fn proposal(readings: &[f64]) -> Proposal {
         return Proposal { unit: None, why: "no numbers".into() };
     };
     if low == high {
-        return Proposal { unit: None, why: format!("constant {low}: it does not move") };
+        return Proposal { unit: None, why: format!("constant {}: it does not move", shortest(low)) };
     }
     sorted.dedup();
     let range = format!("{low:.4} to {high:.4}");
@@ -50,6 +50,13 @@ pub(crate) fn proposal(readings: &[f64]) -> Proposal {
         Some(step) => by_step(step, low, high, &range),
         None => by_range(low, high, &range),
     }
+}
+
+/// A number with as many digits as distinguish it in single precision, where it has no more.
+fn shortest(number: f64) -> String {
+    #[expect(clippy::cast_possible_truncation, reason = "it is compared with what it was")]
+    let single = number as f32;
+    if f64::from(single).to_bits() == number.to_bits() { single.to_string() } else { number.to_string() }
 }
 
 fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
@@ -69,10 +76,9 @@ fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
         );
     }
     // Digits that were written, not counted.
-    let decimal = (-9..=0).map(|digits| 10f64.powi(digits)).any(is);
-    if decimal {
+    if let Some(decimal) = (-9..=0).map(|digits| 10f64.powi(digits)).find(|decimal| is(*decimal)) {
         return Proposal {
-            why: format!("{}; its step {step:e} is that of rounded digits", by_range(low, high, range).why),
+            why: format!("{}; the numbers are rounded to {}", by_range(low, high, range).why, decimal),
             unit: None,
         };
     }
@@ -167,7 +173,8 @@ mod tests {
         let smooth: Vec<f64> = (0..400).map(|i| (f64::from(i) * 0.1234).sin() * 2.1).collect();
         let found = proposal(&smooth);
         assert_eq!((found.unit, found.why.contains("radians, if it turns")), (None, true));
-        assert!(proposal(&readings(1e-4, 0.2)).why.contains("rounded digits"));
+        assert!(proposal(&readings(1e-4, 0.2)).why.contains("the numbers are rounded to 0.0001"));
+        assert_eq!(proposal(&[f64::from(-0.3917f32); 9]).why, "constant -0.3917: it does not move");
         // Steps of a sum in single precision, far finer than an encoder's.
         let fine: Vec<f64> =
             readings(5.7e-5, -6.9).into_iter().chain([2.0f64.mul_add(5.7e-5 * 10_000.0, -6.9)]).collect();

@@ -17,6 +17,12 @@ use tunenet_core::observation::Note;
 /// What arrays of times are called where they do not say their unit.
 const TIMES: [&str; 5] = ["timestamp", "timestamps", "time", "times", "t"];
 
+/// Whether a column holds times: its name has their unit, or it is mapped with one.
+pub(super) fn is_clock(name: &str, options: &ReadOptions) -> bool {
+    let is_time = |name: &str| matches!(meaning(name), Meaning::Known(Quantity::Time, _));
+    is_time(name) || options.columns.iter().any(|(ours, theirs)| is_time(ours) && theirs == name)
+}
+
 /// The clock of so many rows at this rate, and what it is called.
 fn counted_at(rate: f64, rows: usize) -> (String, Vec<f64>) {
     ("t_s".to_owned(), (0..rows).map(|row| row as f64 / rate).collect())
@@ -28,10 +34,7 @@ impl Demonstrations {
     /// # Errors
     /// [`Error::File`] where there is no such episode, it has no time base, or a column is asked for whose unit nothing states.
     pub fn read(&self, path: &Path, name: Option<&str>, options: &ReadOptions) -> Result<Recording> {
-        let is_time = |name: &str| matches!(meaning(name), Meaning::Known(Quantity::Time, _));
-        // A clock has a unit in its name, or is mapped with one.
-        let mapped = |name: &str| options.columns.iter().any(|(ours, theirs)| is_time(ours) && theirs == name);
-        let mut columns = self.columns(self.group(name)?, &|name| is_time(name) || mapped(name))?;
+        let mut columns = self.columns(self.group(name)?, &|name| is_clock(name, options))?;
         let (clock, note) = match (options.rate_hz, columns.clocks.is_empty()) {
             (None, false) => (columns.clocks.swap_remove(0), None),
             (Some(rate), _) => (counted_at(rate, columns.rows), None),

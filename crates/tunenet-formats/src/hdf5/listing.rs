@@ -2,6 +2,7 @@
 
 use super::Demonstrations;
 use super::actions::not_joints;
+use super::episode::is_clock;
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
@@ -37,11 +38,13 @@ impl Demonstrations {
                 format!("groups without arrays are left out: {}", list(self.empty.iter().map(String::as_str), 8));
             notes.push(Note::new(findings::GROUPS_EMPTY, text, ""));
         }
+        let rate_hz = options.rate_hz.or_else(|| self.rate());
         // Angles of a simulator are not counted by an encoder: no unit is proposed for all columns at once.
         Ok(Episodes {
             format: "HDF5".into(),
             robot: String::new(),
-            rate_hz: options.rate_hz.or_else(|| self.rate()),
+            rate_hz,
+            lacks_clock: rate_hz.is_none() && !first.names.iter().any(|name| is_clock(name, options)),
             episodes,
             columns,
             units: String::new(),

@@ -3,7 +3,7 @@
 use hdf5_pure::{AttrValue, FileBuilder};
 
 use crate::testing::error_text;
-use crate::{Contents, ReadOptions, UnitRule, contents, episodes, findings, read};
+use crate::{Contents, ReadOptions, UnitRule, contents, contents_with, episodes, findings, read};
 use tunenet_core::observation::Channel;
 
 const ROWS: u64 = 40;
@@ -51,6 +51,9 @@ fn demonstrations_are_episodes_in_the_order_of_their_numbers() {
     let Contents::Episodes(found) = contents(&path).unwrap() else { panic!("episodes") };
     let names: Vec<&str> = found.episodes.iter().map(|episode| episode.name.as_str()).collect();
     assert_eq!((names, found.episodes[0].frames), (vec!["demo_2", "demo_10"], Some(ROWS)));
+    assert!(found.lacks_clock);
+    let Contents::Episodes(timed) = contents_with(&path, &options(Some(20.0))).unwrap() else { panic!("episodes") };
+    assert!(!timed.lacks_clock);
     assert_eq!(found.notes.iter().map(|note| note.kind).collect::<Vec<_>>(), [findings::GROUPS_EMPTY]);
     let Contents::Episodes(one) = contents(path.join("demo_10")).unwrap() else { panic!("episodes") };
     assert_eq!((one.episodes.len(), one.episodes[0].name.as_str(), one.notes.len()), (1, "demo_10", 0));

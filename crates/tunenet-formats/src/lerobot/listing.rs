@@ -56,6 +56,7 @@ impl DataSet {
             format: format!("LeRobot {}", self.info.version),
             robot: self.info.robot.clone(),
             rate_hz: Some(self.info.rate_hz),
+            lacks_clock: false,
             episodes: listed.iter().map(length).collect(),
             columns,
             units,

@@ -50,7 +50,8 @@ pub fn verdict(found: &Episodes, path: &Path, refused: Option<&str>, shown: &mut
     let Some(refused) = refused else {
         let several = found.episodes.len() > 1 && path.exists();
         let how = if several { "choose episodes with `--episodes`" } else { "one episode" };
-        shown.row("usable", &format!("columns by their names, in the units that `--units` states; {how}"));
+        let rate = if found.lacks_clock { ", at the rate that `--rate HZ` states" } else { "" };
+        shown.row("usable", &format!("columns by their names, in the units that `--units` states{rate}; {how}"));
         return;
     };
     shown.row("unusable", refused);
@@ -60,6 +61,7 @@ pub fn verdict(found: &Episodes, path: &Path, refused: Option<&str>, shown: &mut
 pub fn object(found: &Episodes, notes: &[Note], refused: Option<&str>) -> Value {
     let mut object = json!({
         "kind": "episodes", "format": found.format, "robot": found.robot, "rate_hz": found.rate_hz,
+        "lacks_clock": found.lacks_clock,
         "episodes": found.episodes.iter().map(|e| json!({ "name": e.name, "frames": e.frames })).collect::<Vec<_>>(),
         "columns": found.columns.iter().map(|c| json!({
             "name": c.name, "unit": c.unit, "proposed": c.proposed, "why": c.why,
