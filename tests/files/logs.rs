@@ -58,6 +58,28 @@ fn a_data_set_is_listed_with_units_that_have_to_be_said() {
 }
 
 #[test]
+fn what_drives_a_simulation_is_read_as_recordings_are() {
+    let folder = Folder::new();
+    data_set(&folder);
+    folder.write("a.toml", FOLLOWING);
+    folder.write("m.toml", "[[observation]]\nfile = \"set/episode_0\"\n");
+    for given in ["--manifest m.toml --out out", "--inputs set/episode_0 --out out.csv"] {
+        let refused = folder.run(&format!("simulate --sim a.toml {given}")).ends(1);
+        assert!(refused.stderr.contains("--units"), "{}", refused.stderr);
+        folder.run(&format!("simulate --sim a.toml {given} --units deg")).ends(0);
+    }
+    let columns = folder.text("out/episode_0.csv");
+    assert!(columns.starts_with("t_s,a_rad,action.a\n"), "{}", columns.lines().next().unwrap_or_default());
+    folder.write("ball.toml", "kind = \"ball\"\n[ball]\nradius_m = 0.02\n[release]\nheight_m = 1.0\n");
+    let refused = folder.run("simulate --sim ball.toml --units deg --out drop.csv").ends(2);
+    assert!(
+        refused.stderr.contains("`--units`: expected a recording that drives the simulation"),
+        "{}",
+        refused.stderr
+    );
+}
+
+#[test]
 fn a_folder_without_a_recording_says_what_it_may_be() {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("set")).unwrap();

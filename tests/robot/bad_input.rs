@@ -62,3 +62,19 @@ fn a_joint_or_a_number_that_the_file_lacks_is_refused_with_its_place() {
         assert!(ran.stderr.contains(wanted), "{to}: {}", ran.stderr);
     }
 }
+
+#[test]
+fn a_start_that_cannot_be_read_is_refused_instead_of_taken_for_0() {
+    let folder = folder();
+    let text = seen(|t| (goal(t), 0.3 + goal(t)));
+    let broken = |(i, line): (usize, &str)| if i == 2 { format!("{line}x\n") } else { format!("{line}\n") };
+    folder.write("seen.csv", text.lines().enumerate().map(broken).collect::<String>());
+    let ran = folder.run("simulate --sim robot.toml --inputs seen.csv --out s.csv").ends(1);
+    assert!(ran.stderr.contains("`hinge_rad` is not a number"), "{}", ran.stderr);
+    folder.write("seen.csv", text.replace("hinge_rad", "hinge_v"));
+    let ran = folder.run("simulate --sim robot.toml --inputs seen.csv --out s.csv").ends(1);
+    assert!(ran.stderr.contains("expected `hinge_rad` in rad, found the column in V"), "{}", ran.stderr);
+    // Without positions, joints start at 0.
+    folder.write("seen.csv", commands(goal));
+    folder.run("simulate --sim robot.toml --inputs seen.csv --out s.csv").ends(0);
+}

@@ -144,7 +144,8 @@ Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 -o drop.csv
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap
   tunenet simulate --sim process.toml --allow-process --set parameters.length.value=0.62 --out swing.csv
-  tunenet simulate --sim process.toml --allow-process --inputs torque.csv --out swing.csv";
+  tunenet simulate --sim process.toml --allow-process --inputs torque.csv --out swing.csv
+  tunenet simulate --sim robot.toml --inputs so101/episode_3 --units deg --out replayed.csv";
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
@@ -197,9 +198,22 @@ impl Simulation {
     }
 }
 
-/// How files are read, wherever a command takes observations.
+/// How recordings are read, wherever a command takes observations.
 #[derive(Debug, Default, Args)]
 pub struct Reading {
+    #[command(flatten)]
+    pub numbers: Numbers,
+    /// Episodes of a data set, such as 0-7 or 0,2,5 [default: all]
+    #[arg(long, value_name = "NUMBERS")]
+    pub episodes: Option<Selection>,
+    /// True capture rate in frames per second, for slow-motion video or folders of images
+    #[arg(long, value_name = "HZ", value_parser = track::positive)]
+    pub camera_rate: Option<f64>,
+}
+
+/// How files of numbers are read, wherever a command takes some.
+#[derive(Debug, Default, Args)]
+pub struct Numbers {
     /// Map columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
     /// that points the other way: `z_m=-depth`
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
@@ -210,21 +224,30 @@ pub struct Reading {
     /// Definition of a ROS message that a log names and does not define (may be repeated)
     #[arg(long = "msg", value_name = "TYPE.msg")]
     pub definitions: Vec<PathBuf>,
-    /// Episodes of a data set, such as 0-7 or 0,2,5 [default: all]
-    #[arg(long, value_name = "NUMBERS")]
-    pub episodes: Option<Selection>,
     /// Units of columns whose file states none, such as `elbow=deg` or `wrist=1.0122deg`; `inspect` proposes them
     #[arg(long, value_name = "COLUMN=UNIT,…", value_parser = UnitRule::parse, value_delimiter = ',')]
     pub units: Vec<UnitRule>,
     /// Rows per second of a file without a time base
     #[arg(long = "rate", value_name = "HZ", value_parser = track::positive)]
     pub rate_hz: Option<f64>,
-    /// True capture rate in frames per second, for slow-motion video or folders of images
-    #[arg(long, value_name = "HZ", value_parser = track::positive)]
-    pub camera_rate: Option<f64>,
     /// Skip malformed lines of a CSV file (at most 5 %) and list them
     #[arg(long)]
     pub skip_broken: bool,
+}
+
+impl Numbers {
+    /// The first of its flags that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let flags = [
+            (!self.columns.is_empty(), "--columns"),
+            (self.topic.is_some(), "--topic"),
+            (!self.definitions.is_empty(), "--msg"),
+            (!self.units.is_empty(), "--units"),
+            (self.rate_hz.is_some(), "--rate"),
+            (self.skip_broken, "--skip-broken"),
+        ];
+        flags.into_iter().find(|(given, _)| *given).map(|(_, flag)| flag)
+    }
 }
 
 /// What every command takes.
@@ -296,6 +319,8 @@ pub struct Simulate {
     /// TOML list of recordings: each is simulated in its own setup, as it was driven, into the folder `--out`
     #[arg(long, value_name = "FILE.toml")]
     pub manifest: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Numbers,
     /// Write bounce times instead of positions
     #[arg(long)]
     pub bounces: bool,

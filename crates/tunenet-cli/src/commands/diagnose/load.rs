@@ -32,7 +32,8 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
                 "expected no `reference`, which only an arm's logs have (`motion.kind = \"replay\"`), found one";
             return Err(Error::file(manifest, message, "leave it out").into());
         }
-        let recording = load::attach_reference(scene, recording, source.reference.as_deref(), &options.reading)?;
+        let recording =
+            load::attach_reference(scene, recording, source.reference.as_deref(), &options.reading.numbers)?;
         let recording = setups.placed(place, recording);
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };

@@ -15,7 +15,7 @@ use tunenet_sim::simulation_file::Domain;
 use super::super::load::{self, Driven};
 use super::super::refusal::{self, Asked};
 use super::write::{made, place};
-use crate::args::{Gen, Pairs};
+use crate::args::{Gen, Numbers, Pairs};
 use crate::failure::Exit;
 
 pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
@@ -40,7 +40,7 @@ pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     }
     load::of_kind(&file, domain)?;
     let session = load::session(options.permission);
-    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref())?;
+    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref(), &Numbers::default())?;
     let inner = driven.setups.simulator(Kind::Other, &session)?;
     let program = UnderRecordings { recordings: driven.prepared(&inner)?, inner };
     if !program.parameters().iter().any(|p| p.tune) {

@@ -23,7 +23,7 @@ pub fn look(
     shown.warn_all(&found.notes);
     // One that is named, or the only one, is read as a simulation asks for it.
     let single = !path.exists() || found.episodes.len() == 1;
-    let asked = sim.is_some() || !options.reading.columns.is_empty();
+    let asked = sim.is_some() || !options.reading.numbers.columns.is_empty();
     let read = (single && asked).then(|| recording(path, options, sim));
     let refused = read.as_ref().and_then(|read| read.as_ref().err()).map(refusal);
     let notes = read.and_then(Result::ok).map_or_else(Vec::new, |recording| recording.notes);

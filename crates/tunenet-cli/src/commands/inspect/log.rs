@@ -16,13 +16,13 @@ use crate::view::inspect::{joints, log, motion as render};
 pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&SimulationFile>, shown: &mut Printout) -> Found {
     log::contents(found, shown);
     let usable = found.topics.iter().filter(|t| t.usable.is_ok()).count();
-    let chosen = usable == 1 || options.reading.topic.is_some();
+    let chosen = usable == 1 || options.reading.numbers.topic.is_some();
     let read = (chosen && found.ended.is_none()).then(|| recording(path, options, sim));
     let refused = read.as_ref().and_then(|read| read.as_ref().err()).map(refusal);
     let read = read.and_then(Result::ok);
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     shown.warn_all(&notes);
-    let named = options.reading.topic.as_deref().filter(|_| read.is_some());
+    let named = options.reading.numbers.topic.as_deref().filter(|_| read.is_some());
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let motion = read.and_then(|r| Motion::of(&r.observation, expected(sim)));
     let rejected = refused.as_deref().or_else(|| motion.as_ref().and_then(Motion::rejected));

@@ -15,7 +15,7 @@ use crate::commands::load;
 /// # Errors
 /// Where its channels cannot be read.
 pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOptions> {
-    let mut reading = load::reading(&options.reading)?;
+    let mut reading = load::reading(&options.reading.numbers)?;
     if let Some(file) = sim.filter(|file| file.domain().declares()) {
         reading.channels = declared::channels(file)?;
         reading.others = load::inputs::in_recording(file);
@@ -33,7 +33,7 @@ pub fn expected(sim: Option<&SimulationFile>) -> Expected {
 /// The recording in a file, as `tune` looks at it.
 pub fn recording(path: &Path, options: &Inspect, sim: Option<&SimulationFile>) -> Result<Recording> {
     match sim.filter(|file| file.domain().declares()) {
-        Some(sim) => load::of_channels(sim, 0, path, &options.reading, load::MOST_SAMPLES),
+        Some(sim) => load::of_channels(sim, 0, path, &options.reading.numbers, load::MOST_SAMPLES),
         None => load::recording(path, &options.reading),
     }
 }

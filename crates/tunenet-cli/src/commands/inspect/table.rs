@@ -22,7 +22,7 @@ pub fn look(
     shown: &mut Printout,
 ) -> Found {
     // With `--columns` the file is what the mapping makes of it.
-    let mapped = !options.reading.columns.is_empty();
+    let mapped = !options.reading.numbers.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
     let read = readable.and_then(|()| recording(path, options, sim).map_err(|e| sentence(&e)));
     // What reading it as a recording says goes further than what the table alone shows.

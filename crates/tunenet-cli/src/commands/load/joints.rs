@@ -11,14 +11,14 @@ use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 
 use super::options::reading;
 use super::thinned::at_most;
-use crate::args::Reading;
+use crate::args::Numbers;
 use crate::files::names::file_name;
 
 /// Most samples of a log of joints: torques are averaged, so that more of them are of use, and each costs little.
 const MOST_OF_A_LOG: usize = 60_000;
 
 /// A log of the joints of the arm of `file`, matched by name where its messages have names; what its URDF leaves out is noted.
-pub fn log(file: &SimulationFile, path: &Path, reading: &Reading) -> Result<Recording> {
+pub fn log(file: &SimulationFile, path: &Path, reading: &Numbers) -> Result<Recording> {
     let arm = ReplayedArm::from_file(file)?;
     let options = ReadOptions { joints: arm.joint_names(), ..self::reading(reading)? };
     at_most(MOST_OF_A_LOG, read(path, &options)?)
@@ -37,7 +37,7 @@ pub fn attach_reference(
     file: &SimulationFile,
     recording: Recording,
     reference: Option<&Path>,
-    reading: &Reading,
+    reading: &Numbers,
 ) -> Result<Recording> {
     let Some(path) = reference else { return Ok(recording) };
     if !replays(file) {

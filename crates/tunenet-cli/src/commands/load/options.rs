@@ -5,13 +5,13 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_formats::{ReadOptions, read_text};
 
-use crate::args::Reading;
+use crate::args::Numbers;
 
 /// The command line's say in how files are read.
 ///
 /// # Errors
 /// Where the definition of a message cannot be read.
-pub fn reading(reading: &Reading) -> Result<ReadOptions> {
+pub fn reading(reading: &Numbers) -> Result<ReadOptions> {
     Ok(ReadOptions {
         columns: reading.columns.clone(),
         topic: reading.topic.clone(),

@@ -14,13 +14,13 @@ use super::joints::log;
 use super::options::reading as read_options;
 use super::thinned::{MOST_SAMPLES, at_most};
 use super::video::positions;
-use crate::args::Reading;
+use crate::args::{Numbers, Reading};
 use crate::commands::video;
 use crate::files::videos::is_video;
 
 /// A recording from a file of numbers, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    at_most(MOST_SAMPLES, read(path, &read_options(reading)?)?)
+    at_most(MOST_SAMPLES, read(path, &read_options(&reading.numbers)?)?)
 }
 
 /// A recording of what `file` simulates in this setup, from a file of numbers or a video, with at most so many samples.
@@ -33,20 +33,20 @@ pub fn recording_of(
 ) -> Result<Recording> {
     no_manifest(path)?;
     if replays(file) {
-        return log(file, path, reading);
+        return log(file, path, &reading.numbers);
     }
     if file.domain().declares() {
-        return of_channels(file, setup, path, reading, most);
+        return of_channels(file, setup, path, &reading.numbers, most);
     }
     if !is_video(path) {
-        return at_most(most, read(path, &read_options(reading)?)?);
+        return at_most(most, read(path, &read_options(&reading.numbers)?)?);
     }
-    if !reading.columns.is_empty() {
+    if !reading.numbers.columns.is_empty() {
         let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
         return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
     }
     let asked = video::Asked::default()
-        .with("--topic", reading.topic.as_ref())
+        .with("--topic", reading.numbers.topic.as_ref())
         .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
     let found = asked.of(file).track(path)?;
     at_most(most, positions(path, &found)?)
@@ -69,7 +69,7 @@ pub fn of_channels(
     file: &SimulationFile,
     setup: usize,
     path: &Path,
-    reading: &Reading,
+    reading: &Numbers,
     most: usize,
 ) -> Result<Recording> {
     if is_video(path) {

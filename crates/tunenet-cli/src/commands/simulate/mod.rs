@@ -8,6 +8,7 @@ mod write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use tunenet_core::Origin;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
 use tunenet_formats::Error;
@@ -37,6 +38,12 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
     if !file.domain().declares() && options.inputs.is_some() {
         load::of_kind(&file, Domain::Process)?;
+    }
+    let reads = file.domain().declares() && (options.inputs.is_some() || options.manifest.is_some());
+    if let Some(name) = options.reading.given().filter(|_| !reads) {
+        let expected = "a recording that drives the simulation (`--inputs`, or `--manifest` with a model of your own)";
+        let (origin, expected, found) = (Origin::Flag, expected.into(), "none".into());
+        return Err(tunenet_core::Error::Setting { origin, name, expected, found }.into());
     }
     let observation = match (file.domain(), &options.manifest) {
         (own, Some(_)) if own.declares() => {

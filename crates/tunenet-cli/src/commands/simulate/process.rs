@@ -22,7 +22,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     if options.manifest.is_none() {
         names::require_ending(&options.out, "--out", &["csv"])?;
     }
-    let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref())?;
+    let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
     driven.recordings.iter().flat_map(|(_, recording)| &recording.notes).for_each(warn);
     let simulator: Box<dyn Simulator> = if options.truth {
         Box::new(Measured::new(observed::bare(&[file], session)?, &[])?)

@@ -15,7 +15,7 @@ use crate::view::text::stage;
 pub fn read(path: &Path, options: &Tune, setups: &load::Setups, number: usize) -> Result<Recording> {
     let (file, setup) = (setups.file(number), setups.number(number));
     let recording = load::recording_of(file, setup, path, &options.reading, load::MOST_SAMPLES)?;
-    let recording = load::attach_reference(file, recording, options.reference.as_deref(), &options.reading)?;
+    let recording = load::attach_reference(file, recording, options.reference.as_deref(), &options.reading.numbers)?;
     let recording = setups.placed(number, recording);
     let seen = &recording.observation;
     let clock = seen.clock();
