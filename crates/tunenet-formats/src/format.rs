@@ -53,6 +53,16 @@ const OTHERS: [(usize, &[u8], &str, &str); 12] = [
     (0, b"MATLAB 5.0", "a MATLAB file (version 5 to 7)", MATLAB_5),
 ];
 
+/// How files end that are no texts, and what they are: one without its mark is broken.
+const NAMED: [(&str, &str); 6] = [
+    ("db3", "a bag of ROS 2 in SQLite"),
+    ("hdf5", "an HDF5 file"),
+    ("h5", "an HDF5 file"),
+    ("parquet", "a Parquet file"),
+    ("npz", "an archive of NumPy arrays"),
+    ("npy", "an array of NumPy"),
+];
+
 /// What makes columns of the variables of a MATLAB file: a table by MATLAB itself, or arrays by Python.
 const MATLAB_73: &str = "write them as arrays of NumPy: `python3 -c \"import h5py, numpy; f = h5py.File('log.mat'); \
     numpy.savez('log.npz', **{k: v[()].T.squeeze() for k, v in f.items() if isinstance(v, h5py.Dataset)})\"`, or as CSV in \
@@ -91,11 +101,6 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     if start.starts_with(ZSTD) && name.ends_with(PACKED_MCAP) {
         return with_logs(path, "an MCAP file, compressed as a whole", Format::PackedMcap);
     }
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("db3")) {
-        let found = if start.is_empty() { "an empty one" } else { "other bytes" };
-        let message = format!("expected a bag of ROS 2 in SQLite, found {found}");
-        return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
-    }
     if named_mcap {
         let message = if start.is_empty() {
             "expected an MCAP file, found an empty one".to_owned()
@@ -110,6 +115,12 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
         OTHERS.iter().find(|(at, mark, ..)| start.get(*at..).is_some_and(|s| s.starts_with(mark)))
     {
         return Err(Error::file(path, format!("expected a recording, found {what}"), *hint));
+    }
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if let Some((_, expected)) = NAMED.iter().find(|(known, _)| *known == ending) {
+        let found = if start.is_empty() { "an empty one" } else { "other bytes" };
+        let message = format!("expected {expected}, found {found}");
+        return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
     }
     encoding::refuse_foreign(path, &start[..start.len().min(512)])?;
     refuse_document(path, &start)?;
@@ -138,4 +149,23 @@ pub(crate) fn with_logs(path: &Path, what: &str, format: Format) -> Result<Forma
     }
     let message = format!("expected CSV or MCAP, which this build reads, found {what}");
     Err(Error::file(path, message, "build tunenet with the feature `logs`: `cargo build --release --features logs`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{error_text, file};
+
+    #[test]
+    fn a_file_without_the_mark_of_its_name_is_broken() {
+        let refused = |name: &str, bytes: &[u8]| {
+            let (_folder, path) = file(name, bytes);
+            error_text(&format(&path).unwrap_err()).0
+        };
+        assert_eq!(refused("a.h5", b""), "a.h5: expected an HDF5 file, found an empty one");
+        assert_eq!(refused("a.hdf5", b"\x89HDF\r\n\x1a"), "a.hdf5: expected an HDF5 file, found other bytes");
+        assert_eq!(refused("a.parquet", &[0; 99]), "a.parquet: expected a Parquet file, found other bytes");
+        assert_eq!(refused("a.npz", b"\x1f\x8b\x08"), "a.npz: expected a recording, found a gzip archive");
+        assert_eq!(refused("a.db3", b""), "a.db3: expected a bag of ROS 2 in SQLite, found an empty one");
+    }
 }

@@ -56,7 +56,8 @@ pub(crate) fn proposal(readings: &[f64]) -> Proposal {
 fn shortest(number: f64) -> String {
     #[expect(clippy::cast_possible_truncation, reason = "it is compared with what it was")]
     let single = number as f32;
-    if f64::from(single).to_bits() == number.to_bits() { single.to_string() } else { number.to_string() }
+    let written_single = number.fract() != 0.0 && f64::from(single).to_bits() == number.to_bits();
+    if written_single { single.to_string() } else { number.to_string() }
 }
 
 fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
@@ -174,6 +175,7 @@ mod tests {
         let found = proposal(&smooth);
         assert_eq!((found.unit, found.why.contains("radians, if it turns")), (None, true));
         assert!(proposal(&readings(1e-4, 0.2)).why.contains("the numbers are rounded to 0.0001"));
+        assert_eq!(proposal(&[1_727_325_696.0; 9]).why, "constant 1727325696: it does not move");
         assert_eq!(proposal(&[f64::from(-0.3917f32); 9]).why, "constant -0.3917: it does not move");
         // Steps of a sum in single precision, far finer than an encoder's.
         let fine: Vec<f64> =
