@@ -80,7 +80,7 @@ fn write_index(path: &Path, count: usize) -> Done {
     let mut writer = SerializedFileWriter::new(File::create(path)?, schema, Arc::default())?;
     let mut group = writer.next_row_group()?;
     let number = |i: usize| i64::try_from(i).unwrap_or(0);
-    for column in [&(|i| number(i)) as &dyn Fn(usize) -> i64, &|_| number(FRAMES), &|_| 0, &|i| number(i / IN_FILE)] {
+    for column in [&number as &dyn Fn(usize) -> i64, &|_| number(FRAMES), &|_| 0, &|i| number(i / IN_FILE)] {
         whole(&mut group, &(0..count).map(column).collect::<Vec<i64>>())?;
     }
     group.close()?;

@@ -29,11 +29,8 @@ impl Place {
             return whole();
         };
         let numbered = || of_episode(name).is_some() && is_data_set(parent);
-        if if parent.is_dir() { numbered() } else { is_hdf5(parent) } {
-            Self { path: parent.to_owned(), episode: Some(name.to_owned()) }
-        } else {
-            whole()
-        }
+        let holds = if parent.is_dir() { numbered() } else { is_hdf5(parent) };
+        if holds { Self { path: parent.to_owned(), episode: Some(name.to_owned()) } } else { whole() }
     }
 }
 

@@ -221,12 +221,10 @@ impl Messages {
                     new.insert((header.name, header.encoding, data.into_owned()));
                 }
             }
-            Record::Channel(channel) => {
-                // The summary repeats every channel, too.
-                if !self.channels.contains_key(&channel.id) {
-                    let info = self.channel(&channel);
-                    self.channels.insert(channel.id, Arc::new(info));
-                }
+            // The summary repeats every channel, too.
+            Record::Channel(channel) if !self.channels.contains_key(&channel.id) => {
+                let info = self.channel(&channel);
+                self.channels.insert(channel.id, Arc::new(info));
             }
             Record::Message { header, data } => {
                 let Some(channel) = self.channels.get(&header.channel_id) else {

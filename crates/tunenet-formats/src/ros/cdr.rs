@@ -3,6 +3,7 @@
 use byteorder::{BigEndian, LittleEndian};
 use serde::{Deserialize, Serialize};
 
+use super::mark::{Order, body};
 use super::message::{Decoded, JointMessage, Sample, Way};
 use super::stamps::joined;
 
@@ -124,23 +125,6 @@ pub(crate) fn decode(kind: Type, data: &[u8]) -> std::result::Result<Decoded, St
     };
     let Time { sec, nanosec } = header.stamp;
     Ok(Decoded { stamp_ns: joined(i64::from(sec), i64::from(nanosec)), sample })
-}
-
-/// In which order the bytes of a number stand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
-    Big,
-    Little,
-}
-
-/// What the mark of a message says, and the bytes behind it.
-pub(super) fn body(data: &[u8]) -> std::result::Result<(Order, &[u8]), String> {
-    let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
-    match (mark[0], mark[1]) {
-        (0, 0) => Ok((Order::Big, body)),
-        (0, 1) => Ok((Order::Little, body)),
-        (first, second) => Err(format!("expected plain CDR (00 00 or 00 01), found {first:02x} {second:02x}")),
-    }
 }
 
 /// The fields at the start of a message, and the bytes after them.

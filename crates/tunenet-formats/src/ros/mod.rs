@@ -6,6 +6,7 @@ pub(crate) mod decoder;
 pub(crate) mod definitions;
 pub(crate) mod joints;
 mod json;
+mod mark;
 pub(crate) mod message;
 mod message_definition;
 mod numbers;

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use super::cdr::{Order, body};
+use super::mark::{Order, body};
 use super::schema::{Field, FieldKind, Fields, Number, Shape};
 use super::stamps::joined;
 
