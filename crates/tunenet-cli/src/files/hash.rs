@@ -98,11 +98,14 @@ fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
     Ok(())
 }
 
+/// Recordings that may be copies of one another, with their hashes as far as these were needed.
+type Alike<'a> = Vec<(&'a Path, Option<String>)>;
+
 /// Refuses a recording that is given twice, whatever it is called: the same evidence counted twice looks like twice as much.
 /// Only recordings of one length are read, so that a single large one costs nothing.
 pub fn refuse_copies<'a>(recordings: impl Iterator<Item = &'a Path>) -> Result<()> {
     // Of one length and, of a data set, of one episode.
-    let mut seen: BTreeMap<(u64, String), Vec<(&Path, Option<String>)>> = BTreeMap::new();
+    let mut seen: BTreeMap<(u64, String), Alike<'a>> = BTreeMap::new();
     for path in recordings {
         // What cannot be read is refused by whoever reads it.
         let Some(length) = length(path).filter(|length| *length > 0) else { continue };
