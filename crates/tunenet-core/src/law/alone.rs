@@ -10,6 +10,8 @@ use super::term::Term;
 
 /// Akaike's price of a number, in twice the logarithmic likelihood.
 const NUMBER: f64 = 2.0;
+/// Models within so much of the best have substantial support.
+const SUBSTANTIAL: f64 = 2.0;
 
 /// How many numbers the data chose: constants, and exponents that were rounded.
 fn chosen(law: &Law) -> usize {
@@ -27,8 +29,8 @@ fn factors(law: &Law) -> Option<usize> {
     Some(one.factors.len())
 }
 
-/// The laws that lie within `margin` of the best by the criterion of Schwarz, `best`, or of as many factors by Akaike's, with at most one
-/// number more: those between which recordings do not decide.
+/// The laws that lie within `margin` of the best by the criterion of Schwarz, `best`, or have substantial support by Akaike's with as many
+/// factors and at most one number more: those between which recordings do not decide.
 pub(super) fn near(session: &Session, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
     let Some(lead) = laws.iter().max_by(|a, b| a.bic.total_cmp(&b.bic)).cloned() else { return laws };
     let explained = akaike(session, &lead);
@@ -36,7 +38,7 @@ pub(super) fn near(session: &Session, laws: Vec<Law>, best: f64, margin: f64) ->
     let as_simple = |law: &Law| {
         leads && factors(law).is_some() && factors(law) == factors(&lead) && chosen(law) <= chosen(&lead) + 1
     };
-    let within = |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= explained - margin;
+    let within = |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= explained - SUBSTANTIAL;
     laws.into_iter().filter(within).collect()
 }
 
