@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
-#     results/make.sh [paper|shot|diagnose|arm|driven|law|intervals|regions|rollouts|preflight|grow|speed]…
+#     results/make.sh [paper|shot|diagnose|arm|driven|law|joints|intervals|regions|rollouts|preflight|grow|speed]…
 # Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -95,6 +95,10 @@ for what in "${@:-paper}"; do
         law)
             measure law bench law --seed "$seed"
             paste law docs/evidence.md <(body results/law/goals.md)
+            ;;
+        joints)
+            measure joints bench joints --seed "$seed"
+            paste joints docs/evidence.md <(body results/joints/goals.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"

@@ -64,6 +64,8 @@ pub enum Measured {
     Diagnose(BenchDiagnose),
     /// Accuracy of `diagnose --law` on synthetic recordings with a law in them
     Law(BenchLaw),
+    /// Accuracy of `diagnose` on synthetic runs of a robot joint
+    Joints(BenchJoints),
     /// Interval coverage and false-alarm rate of `tune`
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
@@ -94,6 +96,13 @@ impl BenchPreflight {
 
 impl BenchLaw {
     /// Sets of each law.
+    pub fn count(&self) -> u64 {
+        self.sets.unwrap_or(if self.quick { 1 } else { 20 })
+    }
+}
+
+impl BenchJoints {
+    /// Sets of each effect at each ratio.
     pub fn count(&self) -> u64 {
         self.sets.unwrap_or(if self.quick { 1 } else { 20 })
     }
@@ -344,6 +353,33 @@ pub struct BenchLaw {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub sets: Option<u64>,
     /// Quick run with one set of each law
+    #[arg(long)]
+    pub quick: bool,
+    /// Number of threads [default: number of cores]
+    #[serde(skip)]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench joints`.
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
+pub struct BenchJoints {
+    /// Folder for finished pieces, results, and the files of sets that were not answered right
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-joints")]
+    pub out: PathBuf,
+    /// Run only these rows (`clean`, `ratio-3`, `ratio-10`, `ratio-30`) and effects (`backlash`)
+    #[arg(long, value_name = "ROW|EFFECT", num_args = 1.., hide_possible_values = true, value_parser = clap::builder::PossibleValuesParser::new(crate::joints::rows::names()))]
+    pub only: Vec<String>,
+    /// Number of sets of each effect at each ratio [default: 20; 1 with --quick]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub sets: Option<u64>,
+    /// Quick run with one set of each effect at each ratio
     #[arg(long)]
     pub quick: bool,
     /// Number of threads [default: number of cores]

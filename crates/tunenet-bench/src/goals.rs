@@ -99,6 +99,15 @@ pub const LAW_DISCOVER_NMSE: f64 = 0.1;
 pub const LAW_ROLLOUTS: f64 = 10_000.0;
 pub const LAW_SECONDS: f64 = 5.0;
 
+/// `results/joints`, shares of the sets of which enough survives tuning: at 10 and at 3 times the noise, least share with the effect
+/// alone or in the set, exact twins counting as one; greatest share of wrong lone names, and of names where nothing is hidden.
+pub const JOINTS_IN_SET: f64 = 0.92;
+pub const JOINTS_IN_SET_AT_3: f64 = 0.85;
+pub const JOINTS_WRONG_NAME: f64 = 0.01;
+pub const JOINTS_FALSE_NAMES: f64 = 0.01;
+/// ... most rollouts of an answer to three runs, the median.
+pub const JOINTS_ROLLOUTS: f64 = 2000.0;
+
 /// `bench rollouts`, most rollouts: a cart with one recording and with six, a two-link arm, 20 parameters with 10 recordings, and a
 /// ball without noise.
 pub const CART_ROLLOUTS: usize = 80;

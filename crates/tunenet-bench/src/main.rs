@@ -7,6 +7,7 @@ mod diagnose;
 mod goals;
 mod grow;
 mod intervals;
+mod joints;
 mod law;
 mod output;
 mod paper;
@@ -21,6 +22,7 @@ mod search;
 mod shot;
 mod speed;
 mod synthetic_video;
+mod tool;
 mod tuning;
 mod two_link;
 mod video_speed;
@@ -64,6 +66,7 @@ fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
         Measured::Tuning(options) => (&mut options.out, &mut options.common),
         Measured::Diagnose(options) => (&mut options.out, &mut options.common),
         Measured::Law(options) => (&mut options.out, &mut options.common),
+        Measured::Joints(options) => (&mut options.out, &mut options.common),
         Measured::Intervals(options) => (&mut options.out, &mut options.common),
         Measured::Regions(options) => (&mut options.out, &mut options.common),
         Measured::Preflight(options) => (&mut options.out, &mut options.common),
@@ -82,6 +85,7 @@ fn measure(bench: &Measured) -> Result<Exit> {
         Measured::Tuning(options) => tuning::run(options),
         Measured::Diagnose(options) => diagnose::run(options),
         Measured::Law(options) => law::run(options),
+        Measured::Joints(options) => joints::run(options),
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
         Measured::Rollouts(options) => rollouts::run(options),
