@@ -39,10 +39,12 @@ impl Answer {
     pub fn read(object: &Value) -> Result<Self> {
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+        // Of one joint a number, of several a list.
+        let first = |value: &Value| value.as_f64().or_else(|| value[0].as_f64());
         let place = |effect: &Value| Place {
             name: text(&effect["name"]),
             alternatives: list(&effect["alternatives"]).iter().map(text).collect(),
-            gain_above: effect["coefficients"]["factor"]["value"][0].as_f64().is_some_and(|factor| factor > 1.0),
+            gain_above: first(&effect["coefficients"]["factor"]["value"]).is_some_and(|factor| factor > 1.0),
         };
         Ok(Self {
             verdict: object["verdict"].as_str().context("expected a `verdict`")?.to_owned(),
@@ -94,7 +96,7 @@ mod tests {
         let answer = Answer::read(&json!({
             "verdict": "one_of",
             "effects": [
-                { "name": "firmware_gain", "alternatives": ["duty_limit"], "coefficients": { "factor": { "value": [1.5] } } },
+                { "name": "firmware_gain", "alternatives": ["duty_limit"], "coefficients": { "factor": { "value": 1.5 } } },
                 { "name": "backlash", "alternatives": [], "coefficients": { "gap_rad": { "value": [0.01] } } },
             ],
             "doubt": null, "rollouts": 900, "seconds": 0.5,
