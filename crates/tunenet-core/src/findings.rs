@@ -42,6 +42,9 @@ finding_kinds! {
     warning PARAMETER_DIRECTION = "parameter.direction",
         "a combination of parameters is not determined",
         "fix one of them, or use a recording that separates them";
+    note PARAMETERS_TIED = "parameter.tied",
+        "parameters, or a parameter and a number that the simulation states, of which the recordings determine a combination only; `tied` lists them",
+        "read them as a set; a value of one holds for these values of the others";
     warning PARAMETER_AT_BOUND = "parameter.at_bound",
         "a parameter ends on its bound, and the data favour values beyond it",
         "widen the bound if the value may lie beyond; otherwise check units, surface height and missing effects";

@@ -75,6 +75,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         feigned_by: None,
         forecast_share: 1.0,
         exact_twins: Vec::new(),
+        restates: Vec::new(),
     }
 }
 

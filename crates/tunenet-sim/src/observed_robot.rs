@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use tunenet_core::observation::{Channel, Note};
-use tunenet_core::simulator::{Declared, StartState, StartValue};
+use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValue};
 use tunenet_formats::{Error, Result};
 
 use crate::arm::{JointKind, Model, urdf};
@@ -53,8 +53,17 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let looked_for =
         |effect: &RobotEffect| given(effect.name).is_some() || !(one_setup && ONE_SETUP.contains(&effect.name));
     let effects: Vec<RobotEffect> = crate::robot::effects::all().into_iter().filter(looked_for).collect();
+    let roles: Vec<Role> = roles.collect();
+    let tuned = |number: Number| {
+        let is =
+            |(role, parameter): (&Role, &Parameter)| (role.number == number && parameter.tune).then_some(role.joint);
+        let joints: Vec<usize> = roles.iter().zip(&parameters).filter_map(is).collect();
+        (0..order.len()).all(|joint| joints.contains(&joint))
+    };
+    let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
+    let entries: Vec<Effect> = effects.iter().map(|effect| effect.entry(&names, tuned)).collect();
     let layout = Layout {
-        roles: roles.collect(),
+        roles: roles.clone(),
         effects: effects.clone(),
         readings: readings(scene, &order),
         starts: starts.iter().map(|(start, _)| *start).collect(),
@@ -75,9 +84,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     }
     let channels = declared::channels(file)?;
     let mut simulator = Declared::new(RobotModel::new(rigs, layout), parameters, channels).setups(states);
-    let joints = order.len();
-    for effect in effects {
-        let entry = effect.entry(joints);
+    for (effect, entry) in effects.iter().zip(entries) {
         simulator = match given(effect.name) {
             Some(one) => simulator.present(entry, &one.values)?,
             None => simulator.candidate(entry),

@@ -292,7 +292,7 @@ impl Problem<'_> {
     /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
     /// normal equations (the inverse of a covariance for noise as stated), the slope of −cost along each parameter,
     /// and the diagonal before the nuisance parameters took their share. Bounds are ignored.
-    pub(super) fn curvature(&self, fit: &Fit, linear: &Linearisation) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
+    pub(crate) fn curvature(&self, fit: &Fit, linear: &Linearisation) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
         let scale = robust_scale(&fit.residuals);
         let equations = normal_equations(&self.window(1.0), &linear.columns, &fit.residuals, &fit.point, scale);
         let (schur, slope) = equations.reduced();

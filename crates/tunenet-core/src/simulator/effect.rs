@@ -69,6 +69,40 @@ impl Coefficient {
     }
 }
 
+/// For which values of its coefficients an effect has a twin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// For all of them.
+    Any,
+    /// Where none is below its absence, and one is above.
+    Above,
+}
+
+impl Side {
+    /// Whether values, each with its absence, lie on this side.
+    #[must_use]
+    pub fn holds(self, mut values: impl Iterator<Item = (f64, f64)>) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Above => {
+                values.try_fold(false, |above, (v, absent)| (v >= absent).then_some(above || v > absent)) == Some(true)
+            }
+        }
+    }
+}
+
+/// An effect that no recording distinguishes from another one, and what does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Twin {
+    /// Its name.
+    pub name: Text,
+    /// On which side of its absence the other one looks like this one.
+    pub side: Side,
+    /// What distinguishes both, as something to do: to measure or to look up.
+    pub separated_by: Text,
+}
+
 /// An effect as an entry of the catalogue: what it is, not how it acts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
@@ -93,9 +127,13 @@ pub struct Effect {
     pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
     pub mistaken_for: Vec<Text>,
-    /// Names of effects that no recording at all distinguishes from it: they are always named together.
+    /// Effects that no recording at all distinguishes from it: they are always named together.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub exact_twins: Vec<Text>,
+    pub exact_twins: Vec<Twin>,
+    /// For each coefficient, the number of the simulation that it states anew, as users write it: a gain that the effect multiplies.
+    /// Empty for an effect of which the simulation holds no number.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub restates: Vec<Text>,
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
     pub implausible: Option<Text>,
@@ -122,6 +160,7 @@ impl Effect {
             random: false,
             mistaken_for: Vec::new(),
             exact_twins: Vec::new(),
+            restates: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,
@@ -168,6 +207,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_side_needs_a_value_beyond_absence_and_none_before() {
+        let of = |side: Side, values: &[f64]| side.holds(values.iter().map(|v| (*v, 1.0)));
+        assert!(of(Side::Any, &[0.5]) && of(Side::Above, &[1.2]) && of(Side::Above, &[1.0, 1.2]));
+        assert!(!of(Side::Above, &[0.9, 1.2]) && !of(Side::Above, &[1.0]));
+    }
+
+    #[test]
     fn an_effect_whose_plausible_range_excludes_absence_is_required() {
         let effect = |low: f64, high: f64| Effect {
             name: "drag".into(),
@@ -179,6 +225,7 @@ mod tests {
             random: false,
             mistaken_for: Vec::new(),
             exact_twins: Vec::new(),
+            restates: Vec::new(),
             plausible_rests_on: Vec::new(),
             implausible: None,
             feigned_by: None,

@@ -18,7 +18,7 @@ mod start_state;
 
 pub use assumed::Assumed;
 pub use declared::{Declared, Model, Run};
-pub use effect::{Coefficient, Effect, Phase, Text};
+pub use effect::{Coefficient, Effect, Phase, Side, Text, Twin};
 pub use effects::measurement_effects;
 pub use fn_simulator::FnSimulator;
 pub use measured::Measured;

@@ -235,6 +235,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         feigned_by: None,
         forecast_share: 1.0,
         exact_twins: Vec::new(),
+        restates: Vec::new(),
     }
 }
 

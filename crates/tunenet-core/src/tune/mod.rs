@@ -22,6 +22,7 @@ mod outcome;
 mod pool;
 mod secant;
 mod starts;
+mod tied;
 
 pub use algorithm1::{Loop, Walk, walk};
 pub use channel_gaps::{ChannelGap, over_recordings};
@@ -212,6 +213,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         recordings: Vec::new(),
         point: None,
         free: Vec::new(),
+        tied: Vec::new(),
         nuisances: Vec::new(),
         used,
         preflight: Vec::new(),
@@ -252,6 +254,29 @@ pub(crate) fn estimates_near(
     let found = tuning.standings(&fit, &known, &scale, &interval95);
     Ok(Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())))
 }
+
+/// Names of numbers of which recordings determine a combination only, near a fit of another search: parameters, and what the
+/// simulation states. `simulator` has the effects of that search; rollouts are counted in `log`.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(crate) fn tied_near(
+    simulator: &dyn Simulator,
+    mut recordings: Vec<Prepared>,
+    near: &Point,
+    log: &RolloutLog,
+) -> Result<Vec<Vec<String>>> {
+    for recording in &mut recordings {
+        let more = simulator.parameters().len().saturating_sub(recording.silent.len());
+        *recording = omitted_effect::with_parameters(recording, more);
+    }
+    let free = free(simulator.parameters(), &recordings);
+    channel_weights::weigh(simulator, &mut recordings, &free, log)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
+    tied::tied(&Problem { simulator, recordings: &recordings, noise: &noise, free: &free, log: Some(log) }, near)
+}
+
+pub(crate) use tied::note as note_tied;
 
 /// How well the free parameters of a fit are known.
 struct Uncertainty {
@@ -353,6 +378,25 @@ impl Tuning<'_> {
         Ok(Uncertainty { scale, known, interval95, calibration })
     }
 
+    /// Numbers of which the recordings determine a combination only, by their names: parameters, and what the simulation states. What
+    /// effects state anew is noted here; directions of parameters alone are noted with them.
+    fn tied(&self, fit: &Fit, known: &Information, notes: &mut Vec<Note>) -> Result<Vec<Vec<String>>> {
+        let name = |i: usize| self.simulator.parameters()[self.free[i]].name.clone();
+        let mut all: Vec<Vec<String>> =
+            known.directions.iter().map(|direction| direction.parts().into_iter().map(name).collect()).collect();
+        if self.settings.finish && !self.settings.quick && !fit.cut_short {
+            let rest = self.log.remainder();
+            let found = tied::tied(&Problem { log: Some(&rest), ..self.problem() }, &fit.point);
+            self.log.add(rest.count());
+            if !rest.was_short() {
+                let found = found?;
+                notes.extend(found.iter().map(|group| tied::note(group)));
+                all.extend(found);
+            }
+        }
+        Ok(all)
+    }
+
     /// The network's iterations from `start`, and where they end.
     fn residual_tuning(&self, model: &Model, start: &Point) -> Result<(Vec<Iteration>, Point)> {
         let secant = self.settings.finish && self.free.len() == 1;
@@ -451,6 +495,7 @@ impl Tuning<'_> {
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
         notes.extend(calibration.notes);
         judge::name_directions(self, &known, &mut notes);
+        let tied = self.tied(&fit, &known, &mut notes)?;
         let verdict = judge::verdict(&parameters, poor || cut_short);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
@@ -469,6 +514,7 @@ impl Tuning<'_> {
             recordings: Vec::new(),
             point: Some(fit.point),
             free,
+            tied,
             nuisances: Vec::new(),
             used: Vec::new(),
             preflight: Vec::new(),

@@ -115,7 +115,7 @@ fn omission(
 }
 
 /// The same recording for a simulator with so many further parameters.
-fn with_parameters(recording: &Prepared, more: usize) -> Prepared {
+pub(super) fn with_parameters(recording: &Prepared, more: usize) -> Prepared {
     let mut prepared = recording.clone();
     prepared.local.extend(repeat_n(None, more));
     prepared.silent.extend(repeat_n(None, more));

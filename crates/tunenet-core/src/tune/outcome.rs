@@ -117,6 +117,9 @@ pub struct Outcome {
     /// The names of those that were fitted: the order of [`Iteration::parameters`] and of the correlations. A parameter on
     /// which no recording has any bearing is not among them.
     pub free: Vec<String>,
+    /// Names of numbers that are tied, group by group: parameters, and numbers that the simulation states, of which the recordings
+    /// determine a combination only.
+    pub tied: Vec<Vec<String>>,
     /// Correlations between the fitted ones, shape `[parameter, parameter]`.
     #[serde(serialize_with = "rows")]
     pub correlation: DMatrix<f64>,

@@ -39,6 +39,9 @@ pub fn object(answer: &Answer) -> Json {
         "seconds": answer.seconds,
         "warnings": warnings,
     });
+    if !diagnosis.tied.is_empty() && !by_law {
+        object["tied"] = json!(diagnosis.tied);
+    }
     if answer.re_asks > 0 {
         object["re_asks"] = json!(answer.re_asks);
     }

@@ -64,6 +64,9 @@ pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, spent
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
         object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
     }
+    if !outcome.tied.is_empty() {
+        object["tied"] = json!(outcome.tied);
+    }
     if let Some(region) = &outcome.region95 {
         object["region95"] = region_json(region);
     }

@@ -24,7 +24,7 @@ use crate::findings;
 use crate::observation::Note;
 use crate::simulator::{Parameter, Phase, Preparation, Prepared};
 use crate::statistics::NORMAL_95;
-use crate::tune::estimates_near;
+use crate::tune::{estimates_near, note_tied, tied_near};
 
 /// The answer of what was judged.
 pub(in crate::diagnose) fn assemble(
@@ -52,6 +52,8 @@ pub(in crate::diagnose) fn assemble(
     let explained = explained(judged, spared.as_ref(), recordings)?;
     let parameters = as_tuned(judged, recordings, parameters(context, found, &numbers))?;
     note_undetermined(context, judged.best(), &parameters, &mut notes);
+    let tied = tied(judged)?;
+    notes.extend(tied.iter().map(|group| note_tied(group)));
     Ok(Diagnosis {
         conclusion: conclusion(judged, &numbers)?,
         objects,
@@ -62,6 +64,7 @@ pub(in crate::diagnose) fn assemble(
         margin: decision.margin,
         least_gain: context.settings.margin,
         parameters,
+        tied,
         explained,
         adequacy: judged.tests.clone(),
         uses,
@@ -288,6 +291,29 @@ fn as_tuned(judged: &Judgement, recordings: &[Recording], mut parameters: Vec<Tu
         }
     }
     Ok(parameters)
+}
+
+/// Numbers that are tied in the answer, object by object; a quick diagnosis spends no rollouts on them.
+fn tied(judged: &Judgement) -> Result<Vec<Vec<String>>> {
+    let (context, last) = (&judged.context, judged.last());
+    let mut all = Vec::new();
+    for (object, subject) in context.subjects.iter().enumerate().filter(|_| !context.settings.quick) {
+        let sets = context.sets().iter().enumerate().filter(|(_, set)| set.object == object);
+        let (places, recordings): (Vec<usize>, Vec<Prepared>) = sets.map(|(d, set)| (d, set.prepared.clone())).unzip();
+        if recordings.is_empty() || subject.simulator.effects().iter().all(|effect| effect.restates.is_empty()) {
+            continue;
+        }
+        let parameters = last.structure.parameters(object, &last.fit.point.parameters);
+        let nuisances = places.iter().map(|&d| last.fit.point.nuisances[d].clone()).collect();
+        let rest = context.rollouts.remainder();
+        let point = Point { parameters, nuisances };
+        let found = tied_near(last.structure.simulator(object), recordings, &point, &rest);
+        context.rollouts.add(rest.count());
+        if !rest.was_short() {
+            all.extend(found?);
+        }
+    }
+    Ok(all)
 }
 
 /// A recording as it is tuned to: with its end at rest, and with all that is free there. Of a driven one the end is held out.

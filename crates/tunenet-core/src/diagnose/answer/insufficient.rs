@@ -60,6 +60,7 @@ fn insufficient(settings: &Settings, uses: &[Use], notes: Vec<Note>) -> Diagnosi
         margin: settings.margin,
         least_gain: settings.margin,
         parameters: Vec::new(),
+        tied: Vec::new(),
         explained: Vec::new(),
         uses: uses.to_vec(),
         notes,

@@ -376,6 +376,9 @@ pub struct Diagnosis {
     pub least_gain: f64,
     /// The tuned parameters.
     pub parameters: Vec<Tuned>,
+    /// Names of numbers that are tied in the answer, group by group: parameters, and numbers that the simulation states, of which the
+    /// recordings determine a combination only.
+    pub tied: Vec<Vec<String>>,
     /// The recordings used, before and after.
     pub explained: Vec<Explained>,
     /// What became of every recording given.

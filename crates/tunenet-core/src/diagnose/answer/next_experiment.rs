@@ -6,11 +6,13 @@ use crate::diagnose::answer::{NextExperiment, driven_experiment};
 use crate::diagnose::evidence::proposed::{Proposed, RELEASE, proposed};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::exact_twins::exact_twins;
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::wording::{is_segmented, words};
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
+use crate::simulator::Text;
 use crate::statistics::dot;
 
 /// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
@@ -25,7 +27,50 @@ pub(in crate::diagnose) fn next(
     alternatives: &[Vec<usize>],
 ) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
-    let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
+    let (twins, rest) = without_twins(context, found, best, alternatives);
+    let open = found.places.iter().zip(&rest).find(|(_, others)| !others.is_empty());
+    if let (None, Some(text)) = (open, &twins) {
+        return Ok(Some(NextExperiment { text: text.clone(), settings: Vec::new() }));
+    }
+    let found = apart(context, found, best, open)?;
+    Ok(found.map(|next| match twins {
+        Some(text) => NextExperiment { text: format!("{}; {text}", next.text), ..next },
+        None => next,
+    }))
+}
+
+/// What is left in the place of each effect without its exact twins, and what is to be said of these, where there are any.
+fn without_twins(
+    context: &Context,
+    found: &Selection,
+    best: &Hypothesis,
+    alternatives: &[Vec<usize>],
+) -> (Option<String>, Vec<Vec<usize>>) {
+    let name = |entry: usize| context.catalogue[entry].name.as_ref();
+    let mut said = Vec::new();
+    let mut rest = Vec::with_capacity(alternatives.len());
+    for (place, others) in found.places.iter().zip(alternatives) {
+        let twins = exact_twins(context, best, place.entry);
+        let alike: Vec<&(usize, &Text)> = twins.iter().filter(|(twin, _)| others.contains(twin)).collect();
+        if !alike.is_empty() {
+            let names: Vec<&str> = alike.iter().map(|(twin, _)| name(*twin)).collect();
+            let ways = unique(alike.iter().map(|(_, way)| way.as_ref()).collect());
+            let (own, names, ways) = (name(place.entry), names.join(", "), ways.join(", or "));
+            said.push(format!("no recording of these channels distinguishes {own} from {names}: {ways}"));
+        }
+        rest.push(others.iter().copied().filter(|other| alike.iter().all(|(twin, _)| twin != other)).collect());
+    }
+    ((!said.is_empty()).then(|| said.join("; ")), rest)
+}
+
+/// The experiment that separates an effect of `best` from what else could be in its place; without such an effect, the one that
+/// shows more.
+fn apart(
+    context: &Context,
+    found: &Selection,
+    best: &Hypothesis,
+    open: Option<(&SelectedEffect, &Vec<usize>)>,
+) -> Result<Option<NextExperiment>> {
     let name = |entry: usize| context.catalogue[entry].name.as_ref();
     let Some((place, others)) = open else {
         // Nothing else explains anything: what is in no catalogue is all that could be in its place.

@@ -130,10 +130,6 @@ fn places<'a>(
         let p = p_value(likelihood, coefficients) * context.catalogue.len() as f64;
         let mut near = in_place(context, &without, (&best, worth), entry, &stage.trials)?;
         near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        for twin in twins(context, entry) {
-            near.retain(|(other, _)| *other != twin);
-            near.insert(0, (twin, 0.0));
-        }
         places.push(SelectedEffect {
             entry,
             gain: worth,
@@ -165,10 +161,4 @@ fn in_place<'a>(
         near.push((trial.entry, worth - gain(context, without, &rival, scale)));
     }
     Ok(near)
-}
-
-/// The effects that nothing distinguishes from one, by their positions in the catalogue.
-fn twins(context: &Context, entry: usize) -> Vec<usize> {
-    let of = |name: &crate::simulator::Text| context.catalogue.iter().position(|other| other.name == *name);
-    context.catalogue[entry].of[0].exact_twins.iter().filter_map(of).collect()
 }

@@ -16,6 +16,7 @@ mod whole_record;
 use crate::Result;
 use crate::diagnose::discrepancy::{Gated, fit_null, is_far_above_noise, search_gated};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::exact_twins::add_exact_twins;
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
 use crate::diagnose::judge::adequacy::{ResidualDiagnostics, residual_diagnostics};
@@ -110,10 +111,11 @@ impl<'a> Attempt<'a> {
     /// What was found in `context`, tested.
     pub fn tested(
         context: Context<'a>,
-        found: Selection<'a>,
+        mut found: Selection<'a>,
         scope: Scope,
         practical: Option<Vec<Test>>,
     ) -> Result<Self> {
+        add_exact_twins(&context, &mut found);
         let before = validate(&context, &found.base)?;
         let residuals = residual_diagnostics(&context, found.best.as_ref().unwrap_or(&found.base));
         let (lag1, floor) = (context.evidence.noise.lag1(), noise_floor(context.sets()));

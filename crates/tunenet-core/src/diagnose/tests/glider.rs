@@ -39,6 +39,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         feigned_by: None,
         forecast_share: 1.0,
         exact_twins: Vec::new(),
+        restates: Vec::new(),
     }
 }
 

@@ -80,6 +80,7 @@ impl MeasurementEffect {
             feigned_by: None,
             forecast_share: 1.0,
             exact_twins: Vec::new(),
+            restates: Vec::new(),
         }
     }
 }

@@ -99,6 +99,7 @@ impl ArmEffect {
             feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS.into()),
             forecast_share: 1.0,
             exact_twins: Vec::new(),
+            restates: Vec::new(),
         }
     }
 

@@ -149,6 +149,7 @@ impl BallEffect {
             feigned_by: None,
             forecast_share: self.forecast_share,
             exact_twins: Vec::new(),
+            restates: Vec::new(),
         }
     }
 }

@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 0.1)],
     sentence: "the firmware asks for nothing while the error is smaller than this, and for the rest of it beyond",
     mistaken_for: &["coulomb_friction", "joint_offset", "backlash"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.dead_band_rad += c[0]),
 };

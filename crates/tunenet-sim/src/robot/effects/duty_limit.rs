@@ -1,8 +1,9 @@
 //! A limit of the duty below the stated one.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Phase, Side};
 
-use super::{Act, RobotEffect};
+use super::super::layout::Number;
+use super::{Act, RobotEffect, RobotTwin};
 
 pub(super) const EFFECT: RobotEffect = RobotEffect {
     name: "duty_limit",
@@ -12,5 +13,13 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.1, 1.0)],
     sentence: "the firmware gives at most this fraction of the duty that the file allows",
     mistaken_for: &["firmware_gain", "speed_limit"],
+    restates: Some("duty_max"),
+    // A · clip(g c kp e, 1) is clip(c kp e, d) times A/d with d = 1/g.
+    twins: &[RobotTwin {
+        name: "firmware_gain",
+        side: Side::Any,
+        tuned: Some(Number::StallTorque),
+        separated_by: "measure the torque or the current of the stalled motor at full duty, or look them up in its data sheet",
+    }],
     act: Act::Drives(|drive, c| drive.duty_fraction *= c[0]),
 };

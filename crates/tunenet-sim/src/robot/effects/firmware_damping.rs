@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 2.0)],
     sentence: "the firmware takes duty away in proportion to the speed",
     mistaken_for: &["firmware_gain", "command_delay", "load_friction"],
+    restates: Some("kd"),
+    twins: &[],
     act: Act::Drives(|drive, c| drive.kd += c[0]),
 };

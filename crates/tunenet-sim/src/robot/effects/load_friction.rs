@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 0.6)],
     sentence: "the friction of the gear grows with the torque that it carries, by the factor mu",
     mistaken_for: &["coulomb_friction", "firmware_gain", "firmware_damping"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.load_friction += c[0]),
 };

@@ -21,9 +21,10 @@ mod speed_limit;
 mod time_delay;
 mod voltage_sag;
 
-use tunenet_core::simulator::{Coefficient, Effect, Phase};
+use tunenet_core::simulator::{Coefficient, Effect, Phase, Side, Twin};
 
 use super::imperfect::{DriveEffects, Imperfect};
+use super::layout::Number;
 use crate::arm::effects::{self as arm, Imperfections};
 
 /// An effect of a robot: its entry in the catalogue, and how it acts.
@@ -43,7 +44,21 @@ pub struct RobotEffect {
     pub sentence: &'static str,
     /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
+    /// The key of a joint that it states anew.
+    pub restates: Option<&'static str>,
+    /// Effects that no recording distinguishes from it.
+    pub twins: &'static [RobotTwin],
     act: Act,
+}
+
+/// An effect that looks like another one in every recording of joints that start at rest.
+#[derive(Debug, Clone)]
+pub struct RobotTwin {
+    name: &'static str,
+    side: Side,
+    /// A number of every joint that has to be tuned: where it is known, recordings do distinguish both.
+    tuned: Option<Number>,
+    separated_by: &'static str,
 }
 
 /// What the numbers of an effect change, those of all joints of the first coefficient first.
@@ -105,6 +120,8 @@ fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
         plausible: effect.plausible,
         sentence: effect.sentence,
         mistaken_for: effect.mistaken_for,
+        restates: None,
+        twins: &[],
         act: Act::Arm(effect.apply),
     }
 }
@@ -122,23 +139,28 @@ impl RobotEffect {
         if self.per_joint { joints } else { 1 }
     }
 
-    /// Its entry for a robot of so many joints: each coefficient stands there once for every joint, under the same key and numbered
-    /// by the joint.
+    /// Its entry for a robot with these joints: each coefficient stands there once for every joint, under the same key and numbered
+    /// by the joint. `tuned` is whether a number is tuned in every joint.
     #[must_use]
-    pub fn entry(&self, joints: usize) -> Effect {
-        let each = self.numbers(joints);
+    pub(crate) fn entry(&self, joints: &[&str], tuned: impl Fn(Number) -> bool) -> Effect {
+        let each = self.numbers(joints.len());
         let of_joints = |c: &Coefficient| -> Vec<Coefficient> {
-            if self.per_joint { (1..=joints).map(|joint| c.clone().numbered(joint)).collect() } else { vec![c.clone()] }
+            if self.per_joint {
+                (1..=joints.len()).map(|joint| c.clone().numbered(joint)).collect()
+            } else {
+                vec![c.clone()]
+            }
         };
         let coefficients = self.coefficients.iter().flat_map(of_joints).collect();
         let known = |name: &&&str| OF_ARMS.contains(name) || OWN.iter().any(|own| own.name == **name);
-        let twins: &[&str] = match self.name {
-            "command_delay" => &["time_delay"],
-            "time_delay" => &["command_delay"],
-            _ => &[],
-        };
+        let twins = self.twins.iter().filter(|twin| twin.tuned.is_none_or(&tuned));
+        let twin =
+            |one: &RobotTwin| Twin { name: one.name.into(), side: one.side, separated_by: one.separated_by.into() };
         Effect {
-            exact_twins: twins.iter().map(|name| (*name).into()).collect(),
+            exact_twins: twins.map(twin).collect(),
+            restates: self.restates.map_or_else(Vec::new, |key| {
+                joints.iter().map(|joint| format!("joints.{joint}.{key}").into()).collect()
+            }),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
             ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
@@ -170,7 +192,7 @@ mod tests {
         assert_eq!(all.len(), OF_ARMS.len() + OWN.len());
         for (i, effect) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|other| other.name != effect.name), "{}", effect.name);
-            let entry = effect.entry(2);
+            let entry = effect.entry(&["a", "b"], |_| true);
             let absent: Vec<f64> = entry.coefficients.iter().map(|c| c.absent).collect();
             let mut robot = Imperfect::none(2);
             effect.apply(&mut robot, &absent);
@@ -178,6 +200,22 @@ mod tests {
             robot.arm.stribeck_rad_s = vec![1.0; 2];
             assert_eq!(robot, Imperfect::none(2), "{}", effect.name);
         }
+    }
+
+    /// Twins are twins of each other, but for a gain below the stated one; where the stall torque is known there are none of the duty.
+    #[test]
+    fn twins_name_each_other() {
+        let twins = |name: &str, tuned: bool| RobotEffect::find(name).unwrap().entry(&["a"], |_| tuned).exact_twins;
+        for (one, other) in [("command_delay", "time_delay"), ("firmware_gain", "duty_limit")] {
+            for (name, twin) in [(one, other), (other, one)] {
+                assert_eq!(twins(name, true).iter().map(|t| t.name.as_ref()).collect::<Vec<_>>(), [twin]);
+            }
+        }
+        assert!(twins("firmware_gain", true)[0].side == Side::Above && twins("duty_limit", true)[0].side == Side::Any);
+        assert!(twins("firmware_gain", false).is_empty() && twins("duty_limit", false).is_empty());
+        assert_eq!(twins("time_delay", false).len(), 1);
+        let gain = RobotEffect::find("firmware_gain").unwrap().entry(&["a", "b"], |_| true);
+        assert_eq!(gain.restates, ["joints.a.gain_1_rad", "joints.b.gain_1_rad"]);
     }
 
     #[test]

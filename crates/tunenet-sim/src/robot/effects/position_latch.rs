@@ -13,5 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 0.05)],
     sentence: "the device renews the position that is read with this period, at an unknown phase",
     mistaken_for: &["time_delay", "command_delay"],
+    restates: None,
+    twins: &[],
     act: Act::Robot(|robot, c| robot.latch_s += c[0]),
 };

@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 50.0)],
     sentence: "the joint brakes in proportion to the square of its speed",
     mistaken_for: &["viscous_friction", "speed_limit", "firmware_damping"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.quadratic_nms2_rad2 += c[0]),
 };

@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 50.0)],
     sentence: "a released motor still brakes the joint in proportion to its speed",
     mistaken_for: &["viscous_friction", "release_delay"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.release_braking_nms_rad += c[0]),
 };

@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 0.2)],
     sentence: "the motor is switched off or on some time after its command",
     mistaken_for: &["release_braking"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.release_delay_s += c[0]),
 };

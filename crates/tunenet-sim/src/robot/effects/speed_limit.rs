@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 5.0)],
     sentence: "the firmware moves its own goal no faster than 1/s, `inverse_s_rad` being s; 0 is no limit",
     mistaken_for: &["command_delay", "duty_limit", "firmware_damping"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.inverse_speed_s_rad += c[0]),
 };

@@ -1,8 +1,8 @@
 //! Readings that are late.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Phase, Side};
 
-use super::{Act, RobotEffect};
+use super::{Act, RobotEffect, RobotTwin};
 
 pub(super) const EFFECT: RobotEffect = RobotEffect {
     name: "time_delay",
@@ -12,5 +12,13 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 0.2)],
     sentence: "joints are read as they were some time ago",
     mistaken_for: &["command_delay", "position_latch"],
+    restates: None,
+    twins: &[RobotTwin {
+        name: "command_delay",
+        side: Side::Any,
+        tuned: None,
+        separated_by: "record an instant at which the motor is released with a delay that is known, or stamp commands and readings by \
+                       two clocks",
+    }],
     act: Act::Robot(|robot, c| robot.reading_delay_s += c[0]),
 };

@@ -12,5 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     plausible: &[(0.0, 10.0)],
     sentence: "the supply voltage falls with the current: a resistance in the supply",
     mistaken_for: &["duty_limit", "speed_limit"],
+    restates: None,
+    twins: &[],
     act: Act::Drives(|drive, c| drive.sag_ohm += c[0]),
 };
