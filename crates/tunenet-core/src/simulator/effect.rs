@@ -67,6 +67,13 @@ impl Coefficient {
         self.number = Some(number);
         self
     }
+
+    /// The same as one that only [shapes](Self::shape) its effect.
+    #[must_use]
+    pub const fn shaping(mut self) -> Self {
+        self.shape = true;
+        self
+    }
 }
 
 /// For which values of its coefficients an effect has a twin.

@@ -16,6 +16,10 @@ const JUMP: f64 = 0.25;
 const WINDOW: usize = 7;
 /// The first samples whose median is the start.
 const FIRST: usize = 3;
+/// A command that moves by less than this many standard deviations of the noise has not moved, and a joint whose median moves by less
+/// than so many rests.
+const UNMOVED: f64 = 0.1;
+const RESTING: f64 = 6.0;
 /// Positions that move by less than so many steps of the encoder stand still.
 const STILL_STEPS: f64 = 3.0;
 /// Commands that move more than so many times as far as the joint are in another unit: degrees are 57 times as many.
@@ -123,7 +127,7 @@ fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
     for (place, start) in layout.starts.iter().enumerate().filter(|(_, start)| !start.speed) {
         let shows = |one: &Reading| one.joint == start.joint && one.quantity == Quantity::Position;
         let Some(channel) = layout.readings.iter().position(shows) else { continue };
-        let middle = median(prepared.seen.column(channel).take(FIRST));
+        let middle = start_position(layout, &prepared.seen, channel, start.joint, &known, prepared.noise.as_deref());
         if let (Some(middle), Some(value)) = (middle, known.start.get_mut(place))
             && *value == prepared.seen.row(0)[channel]
         {
@@ -131,6 +135,26 @@ fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
         }
     }
     prepared.circumstances = Some(Arc::new(known));
+}
+
+/// Where a joint starts: the median of its first samples, or of all before its command first moves, where it rests there. A start that
+/// is off by the noise stays off until the joint breaks loose.
+fn start_position(
+    layout: &Layout,
+    seen: &Observation,
+    channel: usize,
+    joint: usize,
+    known: &Circumstances,
+    noise: Option<&[f64]>,
+) -> Option<f64> {
+    let first = median(seen.column(channel).take(FIRST))?;
+    let command = layout.wiring[joint].command.and_then(|place| known.inputs.get(place));
+    let (Some(command), Some(noise)) = (command, noise) else { return Some(first) };
+    let goal = |time: &f64| command.at(0, *time);
+    let Some(begin) = seen.clock().first().map(goal) else { return Some(first) };
+    let waits = seen.clock().iter().take_while(|time| (goal(time) - begin).abs() <= UNMOVED * noise[channel]).count();
+    let resting = median(seen.column(channel).take(waits.max(FIRST)))?;
+    Some(if (resting - first).abs() <= RESTING * noise[channel] { resting } else { first })
 }
 
 /// What is wrong with a position, and whether the recording cannot be used.

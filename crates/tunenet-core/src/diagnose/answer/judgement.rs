@@ -68,7 +68,7 @@ impl<'a> Judgement<'a> {
         let whole = scope == Scope::Whole;
         let mut tests = residuals.tests;
         if found.best.is_none() {
-            tests.extend(noise_correlation(lag1));
+            tests.extend(noise_correlation(&context.evidence, lag1));
         }
         let after = match &found.best {
             Some(best) => validate(&context, best)?,

@@ -15,6 +15,6 @@ mod score;
 mod selection;
 mod stage;
 
-pub(in crate::diagnose) use null::fit_null;
+pub(in crate::diagnose) use null::{better_null, fit_null};
 pub(in crate::diagnose) use scale::is_far_above_noise;
 pub(in crate::diagnose) use selection::{Gated, search_gated};

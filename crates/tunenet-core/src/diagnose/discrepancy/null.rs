@@ -4,7 +4,8 @@
 use super::scale::{BRIEF, FINISH};
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Outcome, Point, spread};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point, spread};
 use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
 
 /// Points within the bounds that are looked at.
@@ -13,6 +14,12 @@ const LOOKED_AT: u32 = 40;
 const STARTS: usize = 4;
 /// Fits that go on to the end.
 const FINISHED: usize = 2;
+/// So many of the best candidates lead to other starts.
+const STRIPPED: usize = 2;
+/// The share of each recording that shows a basin before late motion has made many.
+const BEGINNING: f64 = 0.5;
+/// Another minimum is lower by at least so much in cost: what the information criterion takes for a clear difference.
+const BETTER: f64 = 3.0;
 
 /// The best fit of the simulation as it is.
 ///
@@ -57,16 +64,68 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
     }
 }
 
+/// A better fit of the simulation as it is than `base`, from where effects of `found` lead to, with these taken away, or from where the
+/// first half of the recordings does; `None` where there is none. What an effect gains by leading out of a local minimum is not its own.
+pub(in crate::diagnose) fn better_null<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    found: &Selection<'a>,
+) -> Result<Option<Hypothesis<'a>>> {
+    let structure = context.structure(&[])?;
+    let joint = context.joint(&structure);
+    let count = structure.globals.len();
+    let near = |model: &Hypothesis| Point {
+        parameters: model.fit.point.parameters[..count].to_vec(),
+        nuisances: base.fit.point.nuisances.clone(),
+    };
+    let earning = found.alone.iter().filter(|trial| trial.gain > context.settings.margin);
+    let alone = earning.filter_map(|trial| trial.model.as_ref()).take(STRIPPED);
+    let mut starts: Vec<Point> = found.best.iter().chain(alone).map(near).collect();
+    if !starts.is_empty() {
+        let early = joint.fit(base.fit.point.clone(), Effort { horizon: BEGINNING, ..BRIEF });
+        starts.extend(early.map(|early| early.point));
+    }
+    let fits = starts.into_iter().filter_map(|start| joint.fit(start, BRIEF).ok());
+    let Some(best) = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { return Ok(None) };
+    if best.cost > base.fit.cost - BETTER {
+        return Ok(None);
+    }
+    let fit = joint.fit(best.point, FINISH)?;
+    Ok(Some(Hypothesis { structure, fit }))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::zoo::in_swings;
+    use crate::diagnose::hypothesis::forward_selection::search;
+    use crate::diagnose::judge::adequacy::is_adequate;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
 
     #[test]
     fn the_parameter_is_found_from_afar() {
         in_swings(&[], 3, 0, |context| {
             let base = fit_null(context).unwrap();
             assert!((base.fit.point.parameters[0] - 0.8).abs() < 1e-3, "{:?}", base.fit.point.parameters);
+        });
+    }
+
+    /// From a fit that is wrong an effect leads back; from the best one nothing does.
+    #[test]
+    fn a_better_fit_is_found_where_an_effect_leads_and_none_beyond_the_best() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let best = fit_null(context).unwrap();
+            let again = || Hypothesis { structure: context.structure(&[]).unwrap(), fit: best.fit.clone() };
+            let found = search(context, again(), is_adequate, &|_| {}).unwrap();
+            assert!(better_null(context, &best, &found).unwrap().is_none());
+            let mut wrong = again();
+            wrong.fit.point.parameters[0] = 0.9;
+            wrong.fit.cost = best.fit.cost + 100.0;
+            let better = better_null(context, &wrong, &found).unwrap().unwrap();
+            assert!((better.fit.cost - best.fit.cost).abs() < 1.0);
+            assert!(
+                better_null(context, &wrong, &Selection::tuned(again())).unwrap().is_none(),
+                "nothing leads anywhere"
+            );
         });
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::diagnose::hypothesis::candidate_scores::LEFT_OVER;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Point, Which};
+use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::projection::{Projector, orthonormal};
@@ -12,6 +12,10 @@ use crate::statistics::dot;
 
 /// Steps away from absence, in typical sizes.
 const SIZES: [f64; 2] = [1.0, 4.0];
+/// A step that shows the slope at absence, in typical sizes.
+const SLIGHT: f64 = 0.01;
+/// Of an effect that parameters already hold, they do all but this share (of squares) of the slope. Larger steps are bent, and leave more.
+const HELD: f64 = 1e-4;
 
 /// What a candidate promises in addition to a hypothesis.
 pub(super) struct Scored {
@@ -44,6 +48,28 @@ pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Sc
     scored
 }
 
+/// Whether the slopes at absence of all coefficients that have one are those of parameters: the effect is another name of these.
+fn is_held(joint: &Joint, point: &Point, (model, known): (&Hypothesis, usize), projector: &Projector) -> bool {
+    let mut sloped = false;
+    for (k, global) in joint.structure.globals.iter().enumerate().skip(known) {
+        let typical = global.absent.map_or(1.0, |(_, typical)| typical);
+        let (low, high) = (global.parameter.min, global.parameter.max);
+        let step = if point.parameters[k] + SLIGHT * typical <= high { SLIGHT } else { -SLIGHT } * typical;
+        let mut tried = point.clone();
+        tried.parameters[k] = (point.parameters[k] + step).clamp(low, high);
+        let Ok(found) = joint.residuals(&tried, 1.0) else { return false };
+        let own = model.fit.residuals.iter().flatten();
+        let mut column: Vec<f64> = found.iter().flatten().zip(own).map(|(new, old)| new - old).collect();
+        let whole = dot(&column, &column);
+        projector.project(&mut column);
+        if whole > 0.0 && dot(&column, &column) > HELD * whole {
+            return false;
+        }
+        sloped |= whole > 0.0;
+    }
+    sloped
+}
+
 fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projector, left: &[f64]) -> Scored {
     let none = |excluded| Scored {
         entry,
@@ -64,6 +90,9 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
     let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
     let point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let at_rest: Vec<f64> = point.parameters[known..].to_vec();
+    if is_held(&joint, &point, (model, known), projector) {
+        return none(Exclusion::Redundant(done_already(context)));
+    }
     let before = model.deviance(model.scale());
     let coefficients = (structure.globals.len() - known) as f64;
     let mut best = none(Exclusion::NoInfluence);
@@ -123,4 +152,39 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
         };
     }
     best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::null::fit_null;
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
+
+    #[test]
+    fn what_is_missing_promises_most() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_null(context).unwrap();
+            let scored = score(context, &base);
+            assert_eq!(scored[0].entry, entry(context, "viscous_friction"));
+            assert!(scored[0].predicted > 0.0 && scored[0].excluded.is_none());
+        });
+    }
+
+    /// With an effect in the place of parameters, the effect itself is one of them.
+    #[test]
+    fn what_parameters_hold_already_is_held() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let friction = entry(context, "viscous_friction");
+            let base = fit_null(context).unwrap();
+            let structure = context.structure(&[friction]).unwrap();
+            let joint = context.joint(&structure);
+            let parameters = structure.carry(&base.structure, &base.fit.point.parameters);
+            let point = Point { parameters, nuisances: base.fit.point.nuisances.clone() };
+            let lengths: Vec<usize> = base.fit.residuals.iter().map(Vec::len).collect();
+            let projector =
+                |held: usize| Projector::new(&joint.columns(&point, &base.fit.residuals, Which::ALL), &lengths, held);
+            assert!(is_held(&joint, &point, (&base, 1), &projector(2)), "projected out with its own slope");
+            assert!(!is_held(&joint, &point, (&base, 1), &projector(1)));
+        });
+    }
 }

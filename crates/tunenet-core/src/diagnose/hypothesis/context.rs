@@ -187,7 +187,11 @@ impl<'a> Context<'a> {
         }
         let mut learned = Evidence::clone(&self.evidence);
         let outliers = outliers::set_aside(&mut learned.training, &weighted);
-        let rho = ar1_correlation::correlation(&learned.training, &weighted);
+        let rho = if self.evidence.discrepancy() {
+            ar1_correlation::whole_correlation(&learned.training, &weighted)
+        } else {
+            ar1_correlation::correlation(&learned.training, &weighted)
+        };
         let changed = outliers > 0 || (rho - self.evidence.noise.lag1()).abs() > CORRELATION_CHANGE;
         Ok(changed.then(|| learned.prewhitened(rho)))
     }

@@ -3,6 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnose::Test;
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::ar1_correlation::LONGEST_OF_DISCREPANCY;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::recording_scores;
@@ -25,7 +27,7 @@ const LOW_HZ: f64 = 4.0;
 const HIGH_HZ: f64 = 14.0;
 
 /// A lag-1 correlation above this is more than sensors and trackers are known for at the rates that people record at.
-pub(in crate::diagnose) const LONG_LAG1: f64 = 0.7;
+const LONG_LAG1: f64 = 0.7;
 /// What rounding leaves of a number, as a share of the largest: of clocks in whole nanoseconds, with room for speeds.
 const ROUNDING: f64 = 1e-8;
 
@@ -89,7 +91,11 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
         return None;
     }
     // Prewhitened residuals of a driven recording would hide how large they are.
-    let weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
+    let mut weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
+    if context.evidence.discrepancy() {
+        let share = in_third_differences(context.evidence.noise.lag1());
+        weighted.iter_mut().flatten().flatten().for_each(|residual| *residual *= share);
+    }
     let residuals = weighted.as_ref().unwrap_or(&model.fit.residuals);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
     let each = context.sets().iter().zip(residuals).filter(|(set, _)| tested(set)).map(|(set, residual)| {
@@ -97,6 +103,12 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     });
     let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
     Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
+}
+
+/// How much of the standard deviation of first-order autoregressive noise its third differences show, by which noise is measured:
+/// `√((20 − 30 ρ + 12 ρ² − 2 ρ³)/20)`, from the stencil's autocorrelation.
+fn in_third_differences(rho: f64) -> f64 {
+    ((20.0 - 30.0 * rho + 12.0 * rho.powi(2) - 2.0 * rho.powi(3)) / 20.0).sqrt()
 }
 
 /// Whether the recordings agree on the shared parameters: how far each alone would move them, weighed by how well it knows
@@ -231,14 +243,15 @@ fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Tes
     })
 }
 
+/// The lag-1 correlation above which nothing distinguishes noise from a misfit.
+pub(in crate::diagnose) fn long_lag1(evidence: &Evidence) -> f64 {
+    if evidence.discrepancy() { LONGEST_OF_DISCREPANCY } else { LONG_LAG1 }
+}
+
 /// Fails where the noise that was prewhitened is correlated for longer than noise is known to: nothing distinguishes it from a misfit.
-pub(in crate::diagnose) fn noise_correlation(rho: f64) -> Option<Test> {
-    (rho > LONG_LAG1).then_some(Test {
-        name: "correlation of the noise",
-        value: rho,
-        threshold: LONG_LAG1,
-        passed: false,
-    })
+pub(in crate::diagnose) fn noise_correlation(evidence: &Evidence, rho: f64) -> Option<Test> {
+    let threshold = long_lag1(evidence);
+    (rho > threshold).then_some(Test { name: "correlation of the noise", value: rho, threshold, passed: false })
 }
 
 #[cfg(test)]
@@ -248,6 +261,24 @@ mod tests {
     use crate::testing::{Exact, Pendulum};
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    /// Noise with these correlations, drawn by a recurrence and measured by its third differences.
+    #[test]
+    fn third_differences_show_a_known_part_of_correlated_noise() {
+        use rand::{Rng as _, SeedableRng as _};
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        for rho in [0.0_f64, 0.5, 0.8] {
+            let mut last = 0.0;
+            let noise: Vec<f64> = (0..40_000)
+                .map(|_| {
+                    last = rho * last + (1.0 - rho * rho).sqrt() * random.sample::<f64, _>(rand_distr::StandardNormal);
+                    last
+                })
+                .collect();
+            let measured = crate::observation::noise_sd(&noise);
+            assert!((measured / in_third_differences(rho) - 1.0).abs() < 0.02, "{rho}: {measured}");
+        }
+    }
 
     #[test]
     fn noise_passes_and_a_missing_effect_does_not() {

@@ -14,7 +14,7 @@ mod unmeasured_axes;
 mod whole_record;
 
 use crate::Result;
-use crate::diagnose::discrepancy::{Gated, fit_null, is_far_above_noise, search_gated};
+use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_noise, search_gated};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::exact_twins::add_exact_twins;
 use crate::diagnose::hypothesis::forward_selection::Selection;
@@ -198,14 +198,24 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     Ok(attempt)
 }
 
+/// So often a better fit of the simulation as it is begins the search again.
+const MOST_RETURNS: usize = 2;
+
 fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
-    let base = fit_null(context)?;
-    if !is_far_above_noise(&base) {
+    let mut base = fit_null(context)?;
+    let mut returns = 0;
+    while !is_far_above_noise(&base) {
         let again = Hypothesis { structure: context.structure(&[])?, fit: base.fit.clone() };
         let attempt = WholeRecord.attempt(Attempt::started(context.clone(), again), progress)?;
+        let better = if returns < MOST_RETURNS { better_null(context, &base, &attempt.found)? } else { None };
+        if let Some(better) = better {
+            (base, returns) = (better, returns + 1);
+            continue;
+        }
         if attempt.residuals.passed() {
             return Ok(attempt);
         }
+        break;
     }
     let floor = noise_floor(context.sets());
     let Gated { context, found, tests } = search_gated(context, &base, progress)?;

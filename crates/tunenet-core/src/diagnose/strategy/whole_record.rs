@@ -7,8 +7,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{Selection, search, search_again};
-use crate::diagnose::judge::adequacy::LONG_LAG1;
-use crate::diagnose::judge::adequacy::is_adequate;
+use crate::diagnose::judge::adequacy::{is_adequate, long_lag1};
 
 /// Where effects take so much of the correlation away, it was theirs.
 const TAKEN: f64 = 0.5;
@@ -46,7 +45,7 @@ fn search_white<'a>(
     progress: &dyn Fn(Progress),
 ) -> Result<Option<(Context<'a>, Selection<'a>)>> {
     let rho = context.evidence.noise.lag1();
-    if rho <= LONG_LAG1 {
+    if rho <= long_lag1(&context.evidence) {
         return Ok(None);
     }
     let white = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.0));

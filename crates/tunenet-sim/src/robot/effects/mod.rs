@@ -11,6 +11,7 @@ mod directional_friction;
 mod duty_limit;
 mod firmware_damping;
 mod firmware_gain;
+mod joint_elasticity;
 mod load_friction;
 mod load_offset;
 mod position_latch;
@@ -18,6 +19,7 @@ mod quadratic_friction;
 mod release_braking;
 mod release_delay;
 mod speed_limit;
+mod stribeck_friction;
 mod time_delay;
 mod voltage_sag;
 
@@ -73,19 +75,19 @@ enum Act {
 }
 
 /// The effects of arms that joints from commands have too, by name. The sentence and the rest of the entry are the arm's own.
-const OF_ARMS: [&str; 9] = [
+const OF_ARMS: [&str; 7] = [
     "viscous_friction",
     "coulomb_friction",
-    "stribeck_friction",
     "armature",
     "joint_offset",
     "joint_spring",
-    "joint_elasticity",
     "payload_com_offset",
     "base_tilt",
 ];
 
-const OWN: [&RobotEffect; 16] = [
+const OWN: [&RobotEffect; 18] = [
+    &stribeck_friction::EFFECT,
+    &joint_elasticity::EFFECT,
     &speed_limit::EFFECT,
     &command_delay::EFFECT,
     &release_delay::EFFECT,
