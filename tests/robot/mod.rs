@@ -3,6 +3,8 @@
 mod bad_input;
 mod servo;
 mod swing;
+mod traps;
+mod truth;
 
 use crate::common::Folder;
 
