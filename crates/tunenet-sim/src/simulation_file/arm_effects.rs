@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use toml_edit::{Array, Item};
-use tunenet_core::Origin;
-use tunenet_formats::{Error, Result};
+use toml_edit::Item;
+use tunenet_formats::Result;
 
-use super::schema::{Key, Shape, item_number, number};
-use super::{SimulationFile, table};
+use super::SimulationFile;
+use super::joint_numbers::{JointNumbersOf, refused};
+use super::schema::{Key, Shape};
 use crate::arm::effects::{ALL, ArmEffect};
 
 /// The keys below `[effects]` of an arm: one for each coefficient of the catalogue, and whether `tune` may change it.
@@ -52,24 +52,8 @@ impl SimulationFile {
         let mut found = Vec::new();
         for (name, item) in all.iter() {
             let (Some(table), Some(effect)) = (item.as_table_like(), ArmEffect::find(name)) else { continue };
-            let count = effect.numbers(joints);
-            let mut values = Vec::new();
-            for c in effect.coefficients {
-                let given = table.get(&c.key);
-                let list = given.and_then(Item::as_array).map(|a| a.iter().filter_map(number).collect::<Vec<f64>>());
-                let numbers = list.or_else(|| given.and_then(item_number).map(|v| vec![v]));
-                let numbers = numbers.unwrap_or_else(|| vec![c.absent; count]);
-                if numbers.len() != count {
-                    let message = format!(
-                        "`effects.{name}.{}`: expected {count} numbers, one for each joint, found {}",
-                        c.key,
-                        numbers.len()
-                    );
-                    return Err(Error::file(self.path(), message, "the order is that of the URDF's joints"));
-                }
-                values.extend(numbers);
-            }
-            let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
+            let order = "the order is that of the URDF's joints";
+            let (values, tune) = numbers_of(&effect, joints).read(self, table, order)?;
             found.push(PresentArmEffect { effect, values, tune });
         }
         Ok(found)
@@ -82,31 +66,10 @@ impl SimulationFile {
     /// [`Setting`](tunenet_core::Error::Setting) where the effect is unknown or a number is outside its bounds; the
     /// file is as before then.
     pub fn add_arm_effect(&mut self, name: &str, values: &[f64]) -> Result<()> {
-        let refuse = |expected: String, found: String| {
-            Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "effects", expected, found }.into())
-        };
         let Some(effect) = ArmEffect::find(name) else {
-            return refuse("an effect of an arm".into(), format!("`{name}`"));
+            return Err(refused("an effect of an arm".into(), format!("`{name}`")));
         };
-        let count = values.len() / effect.coefficients.len().max(1);
-        for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
-            if let Some(value) = numbers.iter().find(|v| !(c.min..=c.max).contains(*v)) {
-                return refuse(format!("{} to {} for `{name}.{}`", c.min, c.max, c.key), value.to_string());
-            }
-        }
-        let one = table(table(self.document.root_mut(), "effects", true), name, false);
-        for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
-            let decor = one.get(&c.key).and_then(Item::as_value).map(|v| v.decor().clone());
-            one[c.key.as_ref()] = if effect.per_joint {
-                toml_edit::value(numbers.iter().copied().collect::<Array>())
-            } else {
-                toml_edit::value(numbers[0])
-            };
-            if let (Some(decor), Some(new)) = (decor, one[c.key.as_ref()].as_value_mut()) {
-                *new.decor_mut() = decor;
-            }
-        }
-        Ok(())
+        numbers_of(&effect, 1).write(self, values)
     }
 
     /// Writes the value of a parameter of a replayed arm, be it a number of an effect (`viscous_friction.nms_rad.2`) or a
@@ -119,21 +82,19 @@ impl SimulationFile {
         if let (Some(_), Some((effect, key))) = (self.candidate(parts[0]), name.split_once('.')) {
             return self.add_effect(effect, &[(key, value)]);
         }
-        let (Some(effect), Some(key)) = (ArmEffect::find(parts[0]), parts.get(1)) else {
+        let (Some(effect), Some(_)) = (ArmEffect::find(parts[0]), parts.get(1)) else {
             self.set_value(name, value);
             return Ok(());
         };
-        let count = effect.numbers(joints);
-        let absent = || effect.coefficients.iter().flat_map(|c| vec![c.absent; count]).collect();
         let present = self.arm_effects(joints)?.into_iter().find(|p| p.effect.name == effect.name);
-        let mut values: Vec<f64> = present.map_or_else(absent, |p| p.values);
-        let place = effect.coefficients.iter().position(|c| c.key == *key).unwrap_or(0);
-        let joint = parts.get(2).and_then(|j| j.parse::<usize>().ok()).map_or(0, |j| j.saturating_sub(1));
-        if let Some(at) = values.get_mut(place * count + joint) {
-            *at = value;
-        }
+        let values = numbers_of(&effect, joints).with(present.map(|p| p.values), &parts[1..], value);
         self.add_arm_effect(effect.name, &values)
     }
+}
+
+fn numbers_of(effect: &ArmEffect, joints: usize) -> JointNumbersOf<'_> {
+    let ArmEffect { name, coefficients, per_joint, .. } = *effect;
+    JointNumbersOf { name, coefficients, per_joint, count: effect.numbers(joints) }
 }
 
 #[cfg(test)]

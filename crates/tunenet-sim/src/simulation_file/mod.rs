@@ -13,6 +13,7 @@ mod domain;
 mod effects;
 mod equations_keys;
 pub(crate) mod equations_schema;
+mod joint_numbers;
 pub(crate) mod process_schema;
 mod program_folder;
 mod robot_effects;
