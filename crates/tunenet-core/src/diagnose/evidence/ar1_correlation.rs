@@ -69,3 +69,38 @@ pub(in crate::diagnose) fn correlation(sets: &[Set], residuals: &[Vec<f64>]) -> 
     let sd = 2.0 / (2.0 * count as f64).sqrt();
     if rho.abs() > LEAST.max(SIGNIFICANT * sd) { rho.clamp(-0.5, GREATEST) } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::in_swings;
+
+    /// Noise with a correlation of 0.7 by a recurrence; a slow misfit is left to the differences.
+    #[test]
+    fn residuals_state_a_short_correlation_and_differences_a_long_one() {
+        in_swings(&[], 3, 0, |context| {
+            let mut state = 1_u64;
+            let mut draw = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / 9_007_199_254_740_992.0 - 0.5
+            };
+            let mut last = 0.0;
+            let mut noise = |count: usize| -> Vec<f64> {
+                (0..count)
+                    .map(|_| {
+                        last = 0.7 * last + draw();
+                        last
+                    })
+                    .collect()
+            };
+            let short: Vec<Vec<f64>> = context.sets().iter().map(|set| noise(set.keep.len())).collect();
+            let found = whole_correlation(context.sets(), &short);
+            assert!((found - 0.7).abs() < 0.12 && found >= correlation(context.sets(), &short), "{found}");
+            let slow = short
+                .iter()
+                .map(|one| one.iter().enumerate().map(|(i, v)| v + 20.0 * (0.05 * i as f64).sin()).collect());
+            let slow: Vec<Vec<f64>> = slow.collect();
+            assert_eq!(whole_correlation(context.sets(), &slow), correlation(context.sets(), &slow));
+        });
+    }
+}

@@ -91,11 +91,7 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
         return None;
     }
     // Prewhitened residuals of a driven recording would hide how large they are.
-    let mut weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
-    if context.evidence.discrepancy() {
-        let share = in_third_differences(context.evidence.noise.lag1());
-        weighted.iter_mut().flatten().flatten().for_each(|residual| *residual *= share);
-    }
+    let weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
     let residuals = weighted.as_ref().unwrap_or(&model.fit.residuals);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
     let each = context.sets().iter().zip(residuals).filter(|(set, _)| tested(set)).map(|(set, residual)| {
@@ -103,12 +99,6 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     });
     let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
     Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
-}
-
-/// How much of the standard deviation of first-order autoregressive noise its third differences show, by which noise is measured:
-/// `√((20 − 30 ρ + 12 ρ² − 2 ρ³)/20)`, from the stencil's autocorrelation.
-fn in_third_differences(rho: f64) -> f64 {
-    ((20.0 - 30.0 * rho + 12.0 * rho.powi(2) - 2.0 * rho.powi(3)) / 20.0).sqrt()
 }
 
 /// Whether the recordings agree on the shared parameters: how far each alone would move them, weighed by how well it knows
@@ -261,24 +251,6 @@ mod tests {
     use crate::testing::{Exact, Pendulum};
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
-
-    /// Noise with these correlations, drawn by a recurrence and measured by its third differences.
-    #[test]
-    fn third_differences_show_a_known_part_of_correlated_noise() {
-        use rand::{Rng as _, SeedableRng as _};
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-        for rho in [0.0_f64, 0.5, 0.8] {
-            let mut last = 0.0;
-            let noise: Vec<f64> = (0..40_000)
-                .map(|_| {
-                    last = rho * last + (1.0 - rho * rho).sqrt() * random.sample::<f64, _>(rand_distr::StandardNormal);
-                    last
-                })
-                .collect();
-            let measured = crate::observation::noise_sd(&noise);
-            assert!((measured / in_third_differences(rho) - 1.0).abs() < 0.02, "{rho}: {measured}");
-        }
-    }
 
     #[test]
     fn noise_passes_and_a_missing_effect_does_not() {

@@ -5,10 +5,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
-use crate::diagnose::judge::held_out_proof::HeldOut;
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::information_criterion::likelihood_gain;
@@ -138,13 +138,14 @@ pub(in crate::diagnose) fn validation_doubt(
             let effect = &context.catalogue[entry].of[0];
             Some(Doubt::Feigned(effect.name.clone(), effect.feigned_by.clone()?))
         };
-        let feigned = best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
-        let worse = |held_out: &HeldOut| {
-            let far = context.evidence.discrepancy() && held_out.rmse > OTHER_SETUPS_OVER_FITTED * fitted;
-            far.then_some(Doubt::HeldOutUnexplained)
-        };
-        let other_setups = feigned.or_else(|| after.and_then(worse));
-        return other_setups.or_else(|| unconfirmed(context, best, before?, after?).filter(|_| !practical));
+        return best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
+    }
+    if context.evidence.discrepancy() {
+        let doubt = other_setups((before, after), fitted);
+        let doubt = doubt.or_else(|| unconfirmed(context, found, before?, after?).filter(|_| !practical));
+        if doubt.is_some() {
+            return doubt;
+        }
     }
     // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one.
     if practical && context.evidence.discrepancy() {
@@ -186,15 +187,35 @@ pub(in crate::diagnose) fn validation_doubt(
     forecast_doubt((before?, after?), fitted, share, context.sets().len())
 }
 
-/// Of things that are not expected to be explained down to their noise, effects are not named alone unless held-out recordings gain by
-/// them what distinguishes two explanations.
-fn unconfirmed(context: &Context, best: &Hypothesis, before: &HeldOut, after: &HeldOut) -> Option<Doubt> {
-    let square = |held_out: &HeldOut| 2.0 * huber_cost(&held_out.residuals, best.scale());
-    let count = before.residuals.iter().map(Vec::len).sum::<usize>();
-    let rho = context.evidence.noise.lag1();
-    // What a mean of correlated values is worth in independent ones.
-    let gain = (1.0 - rho) / (1.0 + rho) * likelihood_gain(count, square(before), square(after));
-    (context.evidence.discrepancy() && gain < context.settings.margin).then_some(Doubt::Unconfirmed)
+/// Of things that are not expected to be explained down to their noise: whether recordings of other setups leave far more.
+fn other_setups((before, after): (Option<&HeldOut>, Option<&HeldOut>), fitted: f64) -> Option<Doubt> {
+    let far = before.is_some() && after?.rmse > OTHER_SETUPS_OVER_FITTED * fitted;
+    far.then_some(Doubt::HeldOutUnexplained)
+}
+
+/// Of the same: effects are not named alone unless held-out recordings gain by them, and by each of several, what distinguishes two
+/// explanations.
+fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &HeldOut) -> Option<Doubt> {
+    let best = found.best.as_ref()?;
+    let gain = |before: &HeldOut| {
+        let square = |held_out: &HeldOut| 2.0 * huber_cost(&held_out.residuals, best.scale());
+        let count = before.residuals.iter().map(Vec::len).sum::<usize>();
+        let rho = context.evidence.noise.lag1();
+        // What a mean of correlated values is worth in independent ones.
+        (1.0 - rho) / (1.0 + rho) * likelihood_gain(count, square(before), square(after))
+    };
+    if gain(before) < context.settings.margin {
+        return Some(Doubt::Unconfirmed);
+    }
+    let effects = &best.structure.effects;
+    let weak = |&&entry: &&usize| {
+        let others: Vec<usize> = effects.iter().copied().filter(|&other| other != entry).collect();
+        let without = context.fit_near(&others, best).ok();
+        let reached = without.and_then(|without| validate(context, &without).ok().flatten());
+        reached.is_some_and(|reached| gain(&reached) < context.settings.margin)
+    };
+    let found = effects.iter().filter(|_| effects.len() > 1).find(weak)?;
+    Some(Doubt::Weak(context.catalogue[*found].name.clone()))
 }
 
 /// What held-out recordings say of effects that leave `fitted` of those that were fitted, so many, and may leave this `share` of the
@@ -217,8 +238,7 @@ mod tests {
     use crate::diagnose::hypothesis::forward_selection::search;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::judge::adequacy::is_adequate;
-    use crate::diagnose::judge::held_out_proof::validate;
-    use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, in_swings};
+    use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
 
     #[test]
     fn a_right_name_stands_and_a_worse_forecast_is_a_doubt() {
@@ -239,6 +259,35 @@ mod tests {
             assert_eq!((imitated(0.4, 5), imitated(0.6, 4)), (None, None));
             let unexplained = HeldOut { rmse: 1.3 * NOISE_RAD, ..after };
             assert_eq!(doubt(&unexplained, false), Some(Doubt::HeldOutUnexplained));
+        });
+    }
+
+    #[test]
+    fn recordings_of_other_setups_may_leave_half_as_much_again() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let before = validate(context, &base).unwrap().unwrap();
+            let after = |rmse: f64| HeldOut { rmse, ..before.clone() };
+            assert_eq!(other_setups((Some(&before), Some(&after(1.4))), 1.0), None);
+            assert_eq!(other_setups((Some(&before), Some(&after(1.6))), 1.0), Some(Doubt::HeldOutUnexplained));
+            assert_eq!(other_setups((None, None), 1.0), None);
+        });
+    }
+
+    /// The effect that is there is confirmed; of two, the one that gains nothing is weak.
+    #[test]
+    fn held_out_recordings_confirm_what_is_there_alone() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let mut found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
+            let before = validate(context, &found.base).unwrap().unwrap();
+            let after = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap();
+            assert_eq!(unconfirmed(context, &found, &before, &after), None);
+            assert_eq!(unconfirmed(context, &found, &after, &after), Some(Doubt::Unconfirmed));
+            let both = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));
+            let more = context.fit_near(&both, found.best.as_ref().unwrap()).unwrap();
+            let after = validate(context, &more).unwrap().unwrap();
+            found.best = Some(more);
+            assert_eq!(unconfirmed(context, &found, &before, &after), Some(Doubt::Weak("rest_angle".into())));
         });
     }
 
