@@ -25,6 +25,13 @@ impl Inertia {
         Self { mass_kg: 0.0, com_m: Vector3::zeros(), about_com_kg_m2: Matrix3::zeros() }
     }
 
+    /// A homogeneous cube with edges of `edge_m` (0: a point), its centre at `com_m`: `m·edge²/6` about every axis.
+    #[must_use]
+    pub fn cube(mass_kg: f64, com_m: Vector3<f64>, edge_m: f64) -> Self {
+        let about_com_kg_m2 = Matrix3::identity() * (mass_kg * edge_m * edge_m / 6.0);
+        Self { mass_kg, com_m, about_com_kg_m2 }
+    }
+
     /// The same body in the axes of the frame in which `pose` places the present one.
     #[must_use]
     pub fn seen_from(&self, pose: &Pose) -> Self {
@@ -64,8 +71,9 @@ impl Inertia {
     /// What no body can have, as (expected, found); `None` where all is well. A point, whose moments are 0, is allowed.
     #[must_use]
     pub fn impossible(&self) -> Option<(String, String)> {
-        if !self.is_finite() {
-            return Some(("finite numbers".into(), "one that is not".into()));
+        let mut numbers = self.com_m.iter().chain(self.about_com_kg_m2.iter()).chain([&self.mass_kg]);
+        if let Some(number) = numbers.find(|number| !number.is_finite()) {
+            return Some(("finite numbers".into(), number.to_string()));
         }
         if self.mass_kg < 0.0 {
             return Some(("a mass of 0 kg or more".into(), format!("{} kg", self.mass_kg)));

@@ -7,7 +7,7 @@ use quick_xml::events::Event;
 
 use crate::mjcf::{self, Mjcf};
 use crate::urdf::{self, Urdf};
-use crate::xml::{Reach, SourceFile, parse, read_file, shown};
+use crate::xml::{Document, Reach, SourceFile, load, parse, read_file, shown};
 use crate::{Error, Result, Robot};
 
 /// The formats of model files.
@@ -99,19 +99,17 @@ impl Model {
     }
 
     fn parse_with(path: &Path, text: &str, reach: Reach) -> Result<Self> {
-        let source = SourceFile { path: path.to_path_buf(), text: text.to_owned() };
+        let source = SourceFile::new(path, text);
         let root = parse(&source, 0)?;
-        let wrong = |found: String, hint: &str| {
-            let message = format!("expected an MJCF (<mujoco>) or a URDF (<robot>), found {found}");
-            Err(source.error(root.open.clone(), message, hint))
+        let (found, hint) = match root.tag.as_str() {
+            "mujoco" => return Ok(Self::Mjcf(Box::new(mjcf::read(load(source, root, reach)?)?))),
+            "robot" => return Ok(Self::Urdf(Box::new(urdf::read(Document { files: vec![source], root })?))),
+            "mujocoinclude" => ("a part of an MJCF".into(), "name the file that includes this one"),
+            "sdf" => ("an SDF".into(), "name the URDF or MJCF of the robot"),
+            tag => (format!("<{}>", shown(tag)), "is this the model of a robot?"),
         };
-        match root.tag.as_str() {
-            "mujoco" => Ok(Self::Mjcf(Box::new(mjcf::parse(path, text, reach)?))),
-            "robot" => Ok(Self::Urdf(Box::new(urdf::parse(path, text)?))),
-            "mujocoinclude" => wrong("a part of an MJCF".into(), "name the file that includes this one"),
-            "sdf" => wrong("an SDF".into(), "name the URDF or MJCF of the robot"),
-            tag => wrong(format!("<{}>", shown(tag)), "is this the model of a robot?"),
-        }
+        let message = format!("expected an MJCF (<mujoco>) or a URDF (<robot>), found {found}");
+        Err(source.error(root.open, message, hint))
     }
 
     /// The file that was named.

@@ -117,6 +117,38 @@ fn impossible_changes_are_refused_with_a_sentence() {
     assert!(edit(&model, &[Change { interval, ..change("a", Quantity::Armature, 1.0) }]).is_err());
 }
 
+/// Gains and limits are those of the joint, whichever gear the actuator has, gets, or gets with them.
+#[test]
+fn a_new_gear_counts_for_the_gains_that_come_with_it() {
+    let text = "<mujoco><worldbody><body><joint name='a'/><geom size='0.1'/></body></worldbody>\
+        <actuator><position name='m' joint='a' gear='2' kp='1'/></actuator></mujoco>";
+    let model = Model::parse_alone(Path::new("m.xml"), text).unwrap();
+    let changes = [
+        change("a", Quantity::PositionGain, 50.0),
+        change("a", Quantity::TorqueLimit, 10.0),
+        change("a", Quantity::Gear, -5.0),
+        change("a", Quantity::VelocityGain, 5.0),
+    ];
+    let edited = edit(&model, &changes).unwrap();
+    let again = Model::parse_alone(Path::new("m.xml"), &edited.files[0].text).unwrap();
+    let actuator = &again.robot().actuators[0];
+    assert_eq!(
+        (actuator.gear, actuator.position_gains(), actuator.force_range),
+        (-5.0, Some([2.0, 0.2]), Some([-2.0, 2.0]))
+    );
+    let none = edit(&model, &[change("a", Quantity::PositionGain, 1.0), change("a", Quantity::Gear, 0.0)]).unwrap();
+    assert_eq!(none.left.len(), 1, "{none:?}");
+}
+
+#[test]
+fn the_same_number_twice_is_refused() {
+    let text = "<mujoco><worldbody><body><joint name='a'/><geom size='0.1'/></body></worldbody></mujoco>";
+    let model = Model::parse_alone(Path::new("m.xml"), text).unwrap();
+    let twice = [change("a", Quantity::Armature, 1.0), change("a", Quantity::Armature, 2.0)];
+    let error = edit(&model, &twice).unwrap_err();
+    assert!(error.to_string().contains("joint `a`: expected armature once, found it twice"), "{error}");
+}
+
 #[test]
 fn a_urdf_gets_friction_and_effort_alone() {
     let text = "<robot name='r'>\n  <link name='a'/><link name='b'/><link name='c'/>\n\

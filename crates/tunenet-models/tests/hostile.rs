@@ -20,6 +20,7 @@ fn model(attributes: &str, inside: &str, sections: &str) -> String {
 #[test]
 fn each_mistake_has_one_sentence_at_its_line() {
     let solid = "<geom size=\"0.1\"/>";
+    let joints = "<joint/>".repeat(6000);
     let deep = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(5000), "</body>".repeat(5000));
     let many = (0..1000).map(|i| format!(" a{i}=\"\"")).collect::<Vec<_>>().concat();
     let cases: &[(&str, &str, usize)] = &[
@@ -46,6 +47,12 @@ fn each_mistake_has_one_sentence_at_its_line() {
         (&model("", solid, "<actuator><motor joint=\"k\"/></actuator>"), "expected a joint of the model, found `k`", 2),
         (&model("", solid, "<actuator><position joint=\"j\" kv=\"1\" dampratio=\"1\"/></actuator>"), "found both", 2),
         (&model("", solid, "<compiler angle=\"turns\"/>"), "expected `degree`, `radian`", 2),
+        (
+            &model("", solid, "<compiler settotalmass=\"1e308\" boundmass=\"1e300\" boundinertia=\"1e308\"/>"),
+            "expected finite masses",
+            2,
+        ),
+        (&model("", &joints, ""), "expected at most 5000 bodies and as many joints", 6),
         (&model("", solid, "<compiler eulerseq=\"xy\"/>"), "expected three of", 2),
         (&model("", solid, "<default><default><joint/></default></default>"), "nested <default> to have a class", 2),
         (&model("", solid, "<include file=\"../x.xml\"/>"), "lies outside it", 2),
@@ -173,4 +180,29 @@ fn corrupted_models_are_refused_or_sound() {
             robots::robot(&corrupted(seed, &mut draw));
         }
     }
+}
+
+/// Names that are made up for joints without one do not try the same numbers again and again.
+#[test]
+fn names_are_made_up_in_linear_time() {
+    let named = (2400..4800).map(|i| format!("<joint name=\"joint_{i}\"/>")).collect::<Vec<_>>().concat();
+    let text = model("", &format!("<geom size=\"0.1\"/>{named}{}", "<joint/>".repeat(2400)), "");
+    let robot = Model::parse_alone(Path::new("m.xml"), &text).unwrap();
+    let names: std::collections::HashSet<_> = robot.robot().joints.iter().map(|joint| &joint.name).collect();
+    assert_eq!(names.len(), 4801);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_include_of_a_pipe_is_refused_without_waiting() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.xml");
+    if !std::process::Command::new("mkfifo").arg(&pipe).status().is_ok_and(|status| status.success()) {
+        println!("skipped: no mkfifo");
+        return;
+    }
+    let path = folder.path().join("m.xml");
+    std::fs::write(&path, "<mujoco><include file='pipe.xml'/></mujoco>").unwrap();
+    let error = Model::read(&path).unwrap_err();
+    assert!(error.to_string().contains("found a pipe or a device"), "{error}");
 }

@@ -28,6 +28,7 @@ assert quick.damping is None and quick.stiffness is None
 (pattern, friction), = quick.friction.items()
 assert re.fullmatch(pattern, 'a"b\\') and friction == 0.5 and quick.dynamic_friction == quick.friction
 assert not hasattr(quick, "min_delay") and quick.effort_limit_sim[pattern] == 3.0
+assert quick.viscous_friction == {pattern: 0.75}
 print("same")
 "#;
 
@@ -39,6 +40,8 @@ fn isaac_lab_gets_the_numbers() {
         change("arm.1", Quantity::CommandDelay, 0.034, Some([0.031, 0.038])),
         change("a\"b\\", Quantity::CoulombFriction, 0.5, None),
         change("a\"b\\", Quantity::TorqueLimit, 3.0, None),
+        change("a\"b\\", Quantity::ViscousFriction, 0.25, None),
+        change("a\"b\\", Quantity::BackEmf, 0.5, None),
         change("arm.1", Quantity::DeadBand, 0.01, None),
     ];
     let text = isaac_lab(&changes, 0.005);

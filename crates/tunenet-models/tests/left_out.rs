@@ -194,3 +194,51 @@ fn a_urdf_names_its_drives_and_settings() {
     assert_eq!((robot.actuators[0].name.as_str(), robot.actuators[0].gear), ("t", 50.0));
     assert_eq!((robot.actuators[1].name.as_str(), robot.actuators[1].command_range), ("j/position", Some([-2.0, 2.0])));
 }
+
+/// A damping ratio at a gear of 0, or of numbers too large, is no number.
+#[test]
+fn damping_ratios_that_are_no_numbers_are_left_open() {
+    for attributes in ["gear='0' kp='1'", "kp='1e308'"] {
+        let text = format!(
+            "<mujoco><worldbody><body><joint name='a' armature='1e300'/><geom size='0.1'/></body></worldbody>\
+             <actuator><position joint='a' dampratio='1' {attributes}/></actuator></mujoco>"
+        );
+        let model = Model::parse_alone(Path::new("m.xml"), &text).unwrap();
+        assert_eq!(model.robot().actuators[0].law, tunenet_models::Law::Other, "{attributes}");
+        assert!(model.robot().unused.iter().any(|left| left.attribute.as_deref() == Some("dampratio")), "{attributes}");
+    }
+}
+
+#[test]
+fn a_command_that_is_not_limited_inherits_no_range() {
+    let range = |attributes: &str| {
+        let text = format!(
+            "<mujoco><compiler angle='radian'/><worldbody><body><joint name='a' range='-1 3'/><geom size='0.1'/></body></worldbody>\
+             <actuator><position joint='a' inheritrange='0.5' {attributes}/></actuator></mujoco>"
+        );
+        Model::parse_alone(Path::new("m.xml"), &text).unwrap().robot().actuators[0].command_range
+    };
+    assert_eq!(range(""), Some([0.0, 2.0]));
+    assert_eq!(range("ctrllimited='false'"), None);
+}
+
+#[test]
+fn a_transmission_states_its_ratio_once() {
+    let of = |inside: &str| {
+        let text = format!(
+            "<robot name='r'><link name='u'/><link name='v'/><joint name='j' type='continuous'><parent link='u'/><child link='v'/></joint>\
+             <transmission name='t'>{inside}</transmission></robot>"
+        );
+        let model = Model::parse_alone(Path::new("r.urdf"), &text).unwrap();
+        let actuator = &model.robot().actuators[0];
+        (actuator.gear, actuator.law == tunenet_models::Law::Other)
+    };
+    let motor =
+        |name: &str| format!("<actuator name='{name}'><mechanicalReduction>50</mechanicalReduction></actuator>");
+    let joint = "<joint name='j'><mechanical_reduction>30</mechanical_reduction></joint>";
+    assert_eq!(of(&format!("<joint name='j'/>{}", motor("m"))), (50.0, false));
+    assert_eq!(of(&format!("{joint}<actuator name='m'/>")), (30.0, false));
+    assert_eq!(of(&format!("{joint}{}", motor("m"))), (30.0, false));
+    // Two motors of one joint: a differential gear, whose ratio is none of its own.
+    assert_eq!(of(&format!("<joint name='j'/>{}{}", motor("m"), motor("n"))), (1.0, true));
+}

@@ -7,7 +7,7 @@ use super::patch::{Patches, listed, number};
 use super::{Done, Edited, Left};
 use crate::mjcf::Mjcf;
 use crate::robot::{Law, Motion, Target};
-use crate::xml::{Element, SourceFile};
+use crate::xml::{Element, SourceFile, shown};
 use crate::{Change, Quantity};
 
 /// What can become of a change.
@@ -18,11 +18,11 @@ enum Outcome<'a> {
     Left(String),
 }
 
-pub(super) fn edit(mjcf: &Mjcf, changes: &[Change]) -> Edited {
+pub(super) fn edit(mjcf: &Mjcf, changes: &[(usize, &Change)]) -> Edited {
     let mut editor = Editor { mjcf, changes, patches: Patches::default(), notes: Vec::new() };
     let (mut done, mut left) = (Vec::new(), Vec::new());
-    for change in changes {
-        match editor.outcome(change) {
+    for (joint, change) in changes {
+        match editor.outcome(*joint, change) {
             Outcome::Written(element, attributes) => {
                 let source = &mjcf.document.files[element.file];
                 let mut written = format!("<{}", element.tag);
@@ -31,9 +31,9 @@ pub(super) fn edit(mjcf: &Mjcf, changes: &[Change]) -> Edited {
                 }
                 written += &listed(&attributes);
                 let (path, line) = (source.path.clone(), source.line(element.open.start));
-                done.push(Done { change: change.clone(), path, line, written: written + ">" });
+                done.push(Done { change: (*change).clone(), path, line, written: written + ">" });
             }
-            Outcome::Left(why) => left.push(Left { change: change.clone(), why }),
+            Outcome::Left(why) => left.push(Left { change: (*change).clone(), why }),
         }
     }
     Edited { files: editor.patches.apply(&mjcf.document.files), done, left, notes: editor.notes }
@@ -41,16 +41,13 @@ pub(super) fn edit(mjcf: &Mjcf, changes: &[Change]) -> Edited {
 
 struct Editor<'a> {
     mjcf: &'a Mjcf,
-    changes: &'a [Change],
+    changes: &'a [(usize, &'a Change)],
     patches: Patches,
     notes: Vec<String>,
 }
 
 impl<'a> Editor<'a> {
-    fn outcome(&mut self, change: &Change) -> Outcome<'a> {
-        let Some(joint) = self.mjcf.robot().joint(&change.joint) else {
-            return Outcome::Left("the model has no such joint".into());
-        };
+    fn outcome(&mut self, joint: usize, change: &Change) -> Outcome<'a> {
         let value = change.value;
         match change.quantity {
             Quantity::Armature => self.on_joint(joint, "armature", value),
@@ -63,7 +60,7 @@ impl<'a> Editor<'a> {
                 let turns = self.mjcf.robot().joints[joint].motion == Motion::Revolute && self.mjcf.degrees;
                 self.on_joint(joint, "springref", if turns { value.to_degrees() } else { value })
             }
-            Quantity::ViscousFriction | Quantity::BackEmf | Quantity::QuadraticFriction => self.damping(joint, change),
+            Quantity::ViscousFriction | Quantity::BackEmf | Quantity::QuadraticFriction => self.damping(joint),
             Quantity::PositionGain | Quantity::VelocityGain => self.gain(joint, change),
             Quantity::TorqueLimit => self.torque_limit(joint, value),
             Quantity::Gear => match self.actuator(joint, |_| true) {
@@ -91,6 +88,17 @@ impl<'a> Editor<'a> {
             .then_some("`springdamper` of the joint or its class sets stiffness and damping: take it out first")
     }
 
+    /// The transmission ratio of an actuator of the joint: the one that it gets, if it gets another.
+    fn gear(&self, joint: usize, actuator: usize) -> f64 {
+        self.wanted(joint, Quantity::Gear).unwrap_or(self.mjcf.robot().actuators[actuator].gear)
+    }
+
+    /// The value that a number of the joint is to have, if it is among the changes.
+    fn wanted(&self, joint: usize, quantity: Quantity) -> Option<f64> {
+        let same = |(place, change): &&(usize, &Change)| *place == joint && change.quantity == quantity;
+        self.changes.iter().find(same).map(|(_, change)| change.value)
+    }
+
     fn source(&self, element: &Element) -> &'a SourceFile {
         &self.mjcf.document.files[element.file]
     }
@@ -104,11 +112,8 @@ impl<'a> Editor<'a> {
     }
 
     /// All that brakes with the speed stands in one attribute.
-    fn damping(&mut self, joint: usize, change: &Change) -> Outcome<'a> {
-        let of = |quantity: Quantity| {
-            let same = |other: &&Change| other.joint == change.joint && other.quantity == quantity;
-            self.changes.iter().find(same).map(|other| other.value)
-        };
+    fn damping(&mut self, joint: usize) -> Outcome<'a> {
+        let of = |quantity: Quantity| self.wanted(joint, quantity);
         let (viscous, braking, quadratic) =
             (of(Quantity::ViscousFriction), of(Quantity::BackEmf), of(Quantity::QuadraticFriction));
         if braking.is_some() && viscous.is_none() {
@@ -143,9 +148,10 @@ impl<'a> Editor<'a> {
         let element = &self.mjcf.heads.actuators[at];
         let actuator = &self.mjcf.robot().actuators[at];
         // Torque is gear times force, and the servo's length is gear times position.
-        let value = change.value / (actuator.gear * actuator.gear);
+        let gear = self.gear(joint, at);
+        let value = change.value / (gear * gear);
         if !value.is_finite() {
-            return Outcome::Left("the actuator has a gear of 0".into());
+            return Outcome::Left("the actuator has a gear of 0, or one too small for this number".into());
         }
         if element.tag == "general" {
             let Law::Affine { bias, .. } = actuator.law else { return Outcome::Left("its force is not affine".into()) };
@@ -181,7 +187,7 @@ impl<'a> Editor<'a> {
             Err(why) => return Outcome::Left(why),
         };
         let element = &self.mjcf.heads.actuators[at];
-        let force = value / self.mjcf.robot().actuators[at].gear.abs();
+        let force = value / self.gear(joint, at).abs();
         if !(force > 0.0 && force.is_finite()) {
             return Outcome::Left("an actuator without force is none: remove it from the model".into());
         }
@@ -221,7 +227,7 @@ impl<'a> Editor<'a> {
             [one] => Ok(*one),
             [] => Err("no actuator of the joint has such a number: add one to <actuator>".into()),
             several => {
-                let names: Vec<_> = several.iter().map(|i| format!("`{}`", all[*i].name)).collect();
+                let names: Vec<_> = several.iter().map(|i| format!("`{}`", shown(&all[*i].name))).collect();
                 Err(format!(
                     "several actuators of the joint have such a number ({}): edit one by hand",
                     names.join(", ")

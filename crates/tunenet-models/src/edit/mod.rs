@@ -8,8 +8,10 @@ mod mjcf;
 mod patch;
 mod urdf;
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 
+use crate::xml::shown;
 use crate::{Change, Error, Model, Result};
 
 /// One number in its place.
@@ -60,7 +62,8 @@ impl Edited {
     /// What to do where the numbers stand in other files than the named one; `None` where they do not.
     #[must_use]
     pub fn other_files(&self) -> Option<String> {
-        let others: Vec<_> = self.files.iter().skip(1).map(|file| format!("`{}`", file.path.display())).collect();
+        let others: Vec<_> =
+            self.files.iter().skip(1).map(|file| format!("`{}`", shown(&file.path.display().to_string()))).collect();
         (!others.is_empty()).then(|| {
             format!("numbers stand in {}, which the model includes: write these files as well", others.join(" and "))
         })
@@ -83,33 +86,41 @@ impl Edited {
 /// ```
 ///
 /// # Errors
-/// [`Error::File`] where a change names no joint of the model, or its value is none that the quantity can have.
+/// [`Error::File`] where a change names no joint of the model, its value is none that the quantity can have, or a number is given twice.
 pub fn edit(model: &Model, changes: &[Change]) -> Result<Edited> {
+    let mut given = HashSet::new();
+    let mut wanted = Vec::with_capacity(changes.len());
     for change in changes {
-        check(model, change)?;
+        wanted.push((check(model, change)?, change));
+        if !given.insert((change.joint.as_str(), change.quantity)) {
+            let (joint, name) = (shown(&change.joint), change.quantity.name());
+            let message = format!("joint `{joint}`: expected {name} once, found it twice");
+            return Err(Error::file(model.path(), message, "give each number of a joint once"));
+        }
     }
     Ok(match model {
-        Model::Mjcf(mjcf) => mjcf::edit(mjcf, changes),
-        Model::Urdf(urdf) => urdf::edit(urdf, changes),
+        Model::Mjcf(mjcf) => mjcf::edit(mjcf, &wanted),
+        Model::Urdf(urdf) => urdf::edit(urdf, &wanted),
     })
 }
 
-fn check(model: &Model, change: &Change) -> Result<()> {
+/// The place of the joint of a change, where the change is possible.
+fn check(model: &Model, change: &Change) -> Result<usize> {
     let path = model.path();
     let robot = model.robot();
-    if robot.joint(&change.joint).is_none() {
-        let names: Vec<_> = robot.joints.iter().take(50).map(|joint| format!("`{}`", joint.name)).collect();
-        let message = format!("expected a joint of the model ({}), found `{}`", names.join(", "), change.joint);
+    let Some(place) = robot.joint(&change.joint) else {
+        let names: Vec<_> = robot.joints.iter().take(50).map(|joint| format!("`{}`", shown(&joint.name))).collect();
+        let message = format!("expected a joint of the model ({}), found `{}`", names.join(", "), shown(&change.joint));
         return Err(Error::file(path, message, "correct the name of the joint"));
-    }
+    };
     let least = if change.quantity.signed() { f64::NEG_INFINITY } else { 0.0 };
     let fits = |value: f64| value.is_finite() && value >= least;
     let ordered = change.interval.is_none_or(|[lower, upper]| lower <= upper && lower.is_finite() && upper.is_finite());
     if fits(change.value) && ordered {
-        return Ok(());
+        return Ok(place);
     }
     let expected = if change.quantity.signed() { "a finite number" } else { "a number of 0 or more" };
-    let (name, joint, value) = (change.quantity.name(), &change.joint, change.value);
+    let (name, joint, value) = (change.quantity.name(), shown(&change.joint), change.value);
     let message = format!("joint `{joint}`: expected {expected} as {name} with an ordered interval, found {value}");
     Err(Error::file(path, message, "correct the number"))
 }

@@ -6,18 +6,14 @@ use crate::urdf::Urdf;
 use crate::xml::Element;
 use crate::{Change, Quantity};
 
-pub(super) fn edit(urdf: &Urdf, changes: &[Change]) -> Edited {
+pub(super) fn edit(urdf: &Urdf, changes: &[(usize, &Change)]) -> Edited {
     let source = &urdf.document.files[0];
     let mut patches = Patches::default();
     let (mut done, mut left) = (Vec::new(), Vec::new());
     // New <dynamics> elements, by joint.
     let mut fresh: Vec<(usize, Vec<(&str, String)>)> = Vec::new();
-    for change in changes {
+    for &(joint, change) in changes {
         let leave = |why: &str| Left { change: change.clone(), why: why.into() };
-        let Some(joint) = urdf.robot().joint(&change.joint) else {
-            left.push(leave("the model has no such joint"));
-            continue;
-        };
         let (tag, name) = match change.quantity {
             Quantity::ViscousFriction => ("dynamics", "damping"),
             Quantity::CoulombFriction => ("dynamics", "friction"),

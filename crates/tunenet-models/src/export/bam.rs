@@ -56,10 +56,14 @@ pub fn bam(joint: &str, changes: &[Change], servo: &BamServo) -> Bam {
     set("vin", Some(servo.supply_v));
     set("kp", servo.firmware_gain);
     set("error_gain", servo.error_gain);
-    let motor = (of(Quantity::StallTorque), of(Quantity::BackEmf));
-    if let (Some(stall), Some(braking)) = motor {
-        set("kt", Some(braking * servo.supply_v / stall));
-        set("R", Some(braking * (servo.supply_v / stall).powi(2)));
+    let motor = of(Quantity::StallTorque).zip(of(Quantity::BackEmf)).map(|(stall, braking)| {
+        let per_torque = servo.supply_v / stall;
+        [braking * per_torque, braking * per_torque.powi(2)]
+    });
+    let motor = motor.filter(|numbers| numbers.iter().all(|number| number.is_finite() && *number > 0.0));
+    if let Some([torque_per_ampere, resistance_ohm]) = motor {
+        set("kt", Some(torque_per_ampere));
+        set("R", Some(resistance_ohm));
     }
     set("armature", of(Quantity::Armature));
     set("q_offset", of(Quantity::ZeroOffset));
@@ -77,7 +81,7 @@ pub fn bam(joint: &str, changes: &[Change], servo: &BamServo) -> Bam {
         set("load_friction_stribeck", Some(0.0));
     }
     let left = own.iter().filter_map(|change| {
-        let why = left_out(change.quantity, motor)?;
+        let why = left_out(change.quantity, motor.is_some())?;
         Some(Left { change: (*change).clone(), why: why.into() })
     });
     let left = left.collect();
@@ -85,7 +89,7 @@ pub fn bam(joint: &str, changes: &[Change], servo: &BamServo) -> Bam {
 }
 
 /// Why BAM does not have it; `None` where it has.
-fn left_out(quantity: Quantity, motor: (Option<f64>, Option<f64>)) -> Option<&'static str> {
+fn left_out(quantity: Quantity, motor: bool) -> Option<&'static str> {
     use Quantity::{
         Armature, BackEmf, CommandDelay, CoulombFriction, LoadFriction, StallTorque, StribeckFriction, StribeckSpeed,
         ViscousFriction, ZeroOffset,
@@ -93,8 +97,9 @@ fn left_out(quantity: Quantity, motor: (Option<f64>, Option<f64>)) -> Option<&'s
     match quantity {
         Armature | CommandDelay | CoulombFriction | LoadFriction | StribeckFriction | StribeckSpeed
         | ViscousFriction | ZeroOffset => None,
-        StallTorque | BackEmf => (motor.0.is_none() || motor.1.is_none())
-            .then_some("BAM's kt and R follow from stall_torque and back_emf together"),
+        StallTorque | BackEmf => {
+            (!motor).then_some("BAM's kt and R follow from stall_torque and back_emf together, both above 0")
+        }
         _ => Some("BAM's models have no such number"),
     }
 }
@@ -124,5 +129,16 @@ mod tests {
         assert_eq!((json["model"].as_str(), number("load_friction_base")), (Some("m3"), 0.18));
         assert_eq!(left.len(), 1);
         assert_eq!(left[0].change.quantity, Quantity::Backlash);
+    }
+
+    #[test]
+    fn a_motor_without_torque_has_no_constants() {
+        let servo = BamServo { actuator: "mx64".into(), supply_v: 12.0, firmware_gain: None, error_gain: None };
+        for stall in [0.0, 1e-300] {
+            let change = |quantity, value| Change { joint: "elbow".into(), quantity, value, interval: None };
+            let changes = [change(Quantity::StallTorque, stall), change(Quantity::BackEmf, 1.0)];
+            let Bam { json, left } = bam("elbow", &changes, &servo);
+            assert_eq!((json.get("kt"), json.get("R"), left.len()), (None, None, 2), "{json}");
+        }
     }
 }

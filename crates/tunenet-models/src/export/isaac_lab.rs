@@ -46,8 +46,12 @@ pub fn isaac_lab(changes: &[Change], physics_step_s: f64) -> String {
             ("dynamic_friction", Quantity::CoulombFriction),
             ("viscous_friction", Quantity::ViscousFriction),
         ] {
-            let of =
-                |name: &&str| joints[name].get(&quantity).map(|c| format!("{}: {:?}", python(&regex(name)), c.value));
+            let of = |name: &&str| {
+                // Isaac Lab's torque limit holds for gains alone: the motor's own braking is outside it, with the friction.
+                let braking = joints[name].get(&Quantity::BackEmf).filter(|_| quantity == Quantity::ViscousFriction);
+                let value = joints[name].get(&quantity)?.value + braking.map_or(0.0, |braking| braking.value);
+                Some(format!("{}: {value:?}", python(&regex(name))))
+            };
             let entries: Vec<String> = names.iter().filter_map(of).collect();
             if !entries.is_empty() {
                 let _ = writeln!(text, "        {key}={{{}}},", entries.join(", "));
@@ -61,7 +65,10 @@ pub fn isaac_lab(changes: &[Change], physics_step_s: f64) -> String {
         text += "    ),\n";
     }
     text += "}\n";
-    for change in changes.iter().filter(|change| !expressed(change.quantity)) {
+    let viscous =
+        |joint: &str| joints.get(joint).is_some_and(|numbers| numbers.contains_key(&Quantity::ViscousFriction));
+    let within = |change: &Change| change.quantity == Quantity::BackEmf && viscous(&change.joint);
+    for change in changes.iter().filter(|change| !expressed(change.quantity) && !within(change)) {
         let (name, unit) = (change.quantity.name(), change.quantity.unit());
         let _ = writeln!(text, "# not in Isaac Lab: {name} of {} = {:?} {unit}", python(&change.joint), change.value);
     }

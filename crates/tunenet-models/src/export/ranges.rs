@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::{Change, Quantity};
+use crate::Change;
 
-/// A JSON object with the `ranges` of joints, with the keys of a tuning's ranges (`name`, `unit`, `value`, `low`, `high`), and
-/// `joint`, `quantity` and, where MJCF has one, `mjcf` (element and attribute). `without_interval` lists the others.
+/// A JSON object with the `ranges` of joints, with the keys of a tuning's ranges (`name`, `unit`, `value`, `low`, `high`), and with
+/// `joint` and `quantity`. `without_interval` lists the others.
 ///
 /// The ranges are 95 % intervals, each for itself: numbers that are only known together (a gain and the torque limit that
 /// scales it) are to be drawn together. What cannot be below 0 starts at 0.
@@ -21,36 +21,16 @@ pub fn ranges(model: &str, changes: &[Change]) -> Value {
         };
         let low = if quantity.signed() { low } else { low.max(0.0) };
         let (unit, value) = (quantity.unit(), change.value);
-        let mut one = json!({ "name": name, "unit": unit, "value": value, "low": low, "high": high,
-            "joint": joint, "quantity": quantity.name() });
-        if let Some((element, attribute)) = mjcf(quantity) {
-            one["mjcf"] = json!({ "element": element, "attribute": attribute });
-        }
-        ranges.push(one);
+        ranges.push(json!({ "name": name, "unit": unit, "value": value, "low": low, "high": high,
+            "joint": joint, "quantity": quantity.name() }));
     }
     json!({ "schema": "tunenet.joint_ranges/1", "model": model, "level": 0.95, "ranges": ranges, "without_interval": without })
-}
-
-/// The attribute of MJCF that holds it.
-fn mjcf(quantity: Quantity) -> Option<(&'static str, &'static str)> {
-    Some(match quantity {
-        Quantity::ViscousFriction => ("joint", "damping"),
-        Quantity::CoulombFriction => ("joint", "frictionloss"),
-        Quantity::Armature => ("joint", "armature"),
-        Quantity::Stiffness => ("joint", "stiffness"),
-        Quantity::SpringReference => ("joint", "springref"),
-        Quantity::PositionGain => ("position", "kp"),
-        Quantity::VelocityGain => ("position", "kv"),
-        Quantity::TorqueLimit => ("position", "forcerange"),
-        Quantity::Gear => ("position", "gear"),
-        Quantity::CommandDelay => ("position", "delay"),
-        _ => return None,
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Quantity;
 
     #[test]
     fn intervals_become_ranges_and_others_are_listed() {
@@ -62,7 +42,7 @@ mod tests {
         ];
         let found = ranges("arm.xml", &all);
         let first = json!({ "name": "elbow.coulomb_friction", "unit": "N·m", "value": 0.1, "low": 0.0, "high": 0.3,
-            "joint": "elbow", "quantity": "coulomb_friction", "mjcf": { "element": "joint", "attribute": "frictionloss" } });
+            "joint": "elbow", "quantity": "coulomb_friction" });
         assert_eq!(found["ranges"][0], first);
         assert_eq!(found["ranges"][1]["low"], json!(-0.1));
         assert_eq!(found["without_interval"], json!(["elbow.armature"]));

@@ -6,11 +6,31 @@ use toml_edit::{Array, DocumentMut, Item, Table, value};
 
 use crate::edit::Left;
 
+/// An effect of the robot as a whole, or of its readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whole {
+    /// Its name in a simulation file.
+    pub effect: String,
+    /// Its numbers.
+    pub numbers: Vec<WholeNumber>,
+    /// Why a model file cannot hold it.
+    pub why: String,
+}
+
+/// A number of such an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WholeNumber {
+    /// Its key, which ends in its unit.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+}
+
 /// A TOML with a table for each joint and quantity: `value`, `unit`, `interval` where it is known, and `why` the model file
-/// cannot hold it. Empty where there is nothing to say.
+/// cannot hold it; and one for each effect of the robot as a whole. Empty where there is nothing to say.
 #[must_use]
-pub fn sidecar(model: &Path, left: &[Left]) -> String {
-    if left.is_empty() {
+pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
+    if left.is_empty() && whole.is_empty() {
         return String::new();
     }
     let mut document = DocumentMut::new();
@@ -34,7 +54,22 @@ pub fn sidecar(model: &Path, left: &[Left]) -> String {
         table["why"] = value(&one.why);
         joint[change.quantity.name()] = Item::Table(table);
     }
-    document["joints"] = Item::Table(joints);
+    if !left.is_empty() {
+        document["joints"] = Item::Table(joints);
+    }
+    let mut robot = Table::new();
+    robot.set_implicit(true);
+    for one in whole {
+        let mut table = Table::new();
+        for number in &one.numbers {
+            table[number.key.as_str()] = value(number.value);
+        }
+        table["why"] = value(&one.why);
+        robot[one.effect.as_str()] = Item::Table(table);
+    }
+    if !whole.is_empty() {
+        document["robot"] = Item::Table(robot);
+    }
     document.to_string()
 }
 
@@ -51,12 +86,16 @@ mod tests {
             value: 0.01,
             interval: Some([0.0, 0.02]),
         };
-        let text = sidecar("folder/arm.xml".as_ref(), &[Left { change, why: "MJCF has no attribute for it".into() }]);
+        let left = [Left { change, why: "MJCF has no attribute for it".into() }];
+        let delay = WholeNumber { key: "delay_s".into(), value: 0.02 };
+        let whole = [Whole { effect: "time_delay".into(), numbers: vec![delay], why: "it is one of readings".into() }];
+        let text = sidecar("folder/arm.xml".as_ref(), &left, &whole);
         let read: DocumentMut = text.parse().unwrap();
         assert_eq!(read["model"].as_str(), Some("arm.xml"));
         let table = &read["joints"]["arm \"1\".x"]["dead_band"];
         assert_eq!((table["value"].as_float(), table["unit"].as_str()), (Some(0.01), Some("rad")));
         assert_eq!(table["interval"][1].as_float(), Some(0.02));
-        assert_eq!(sidecar("arm.xml".as_ref(), &[]), "");
+        assert_eq!(read["robot"]["time_delay"]["delay_s"].as_float(), Some(0.02));
+        assert_eq!(sidecar("arm.xml".as_ref(), &[], &[]), "");
     }
 }

@@ -181,8 +181,10 @@ impl Servo {
         let mut bias = if self.bias_form == Form::Affine { self.bias } else { [0.0; 3] };
         let gain = self.gain[0];
         if self.ratio().is_some() {
-            let Some(inertia) = inertia() else { return Law::Other };
-            bias[2] = -bias[2] * 2.0 * (gain * inertia).max(0.0).sqrt();
+            let damping = inertia().map(|inertia| bias[2] * 2.0 * (gain * inertia).max(0.0).sqrt());
+            // A gear of 0 moves nothing: there is no such damping.
+            let Some(damping) = damping.filter(|damping| damping.is_finite()) else { return Law::Other };
+            bias[2] = -damping;
         }
         Law::Affine { gain, bias }
     }
@@ -204,13 +206,20 @@ impl Servo {
     /// The range of commands; `joint` is that of its joint.
     pub fn command_range(&self, joint: Option<[f64; 2]>, given: &Given, auto: bool) -> Result<Option<[f64; 2]>> {
         let own = limits(self.command_range, self.command_limited, auto);
-        if own.is_some() || self.inherit_range == 0.0 || self.dynamics == Form::Integrator {
+        let inherits = self.inherit_range > 0.0 && self.command_limited != Some(false);
+        if own.is_some() || !inherits || self.dynamics == Form::Integrator {
             return checked(own, "ctrlrange", given);
         }
-        Ok(joint.map(|[lower, upper]| {
-            let (middle, half) = (f64::midpoint(lower, upper), self.inherit_range * (upper - lower) / 2.0);
+        let share = |[lower, upper]: [f64; 2]| {
+            let (middle, half) = (f64::midpoint(lower, upper), self.inherit_range * (upper / 2.0 - lower / 2.0));
             [middle - half, middle + half]
-        }))
+        };
+        let range = joint.map(share);
+        if range.is_some_and(|range| range.iter().any(|end| !end.is_finite())) {
+            let message = "`inheritrange`: expected a share of the joint's range, found one without end";
+            return Err(given.error("inheritrange", message, "write 1, say"));
+        }
+        Ok(range)
     }
 
     /// Whether its range of forces is switched off.

@@ -30,6 +30,8 @@ pub(super) struct Tree<'a> {
     pub unused: &'a mut Collector,
     link_names: HashSet<String>,
     joint_names: HashSet<String>,
+    /// The first numbers that names of bodies and of joints without one may have.
+    next_numbers: [usize; 2],
 }
 
 /// Where an element stands.
@@ -51,7 +53,18 @@ impl<'a> Tree<'a> {
     ) -> Self {
         let (link_names, joint_names) = (HashSet::from(["world".to_owned()]), HashSet::new());
         let (links, joints, heads) = (Vec::new(), Vec::new(), Heads::default());
-        Self { document, compiler, classes, links, joints, heads, unused, link_names, joint_names }
+        Self {
+            document,
+            compiler,
+            classes,
+            links,
+            joints,
+            heads,
+            unused,
+            link_names,
+            joint_names,
+            next_numbers: [0; 2],
+        }
     }
 
     /// All `<worldbody>` elements.
@@ -79,7 +92,7 @@ impl<'a> Tree<'a> {
                     }
                 }
                 "joint" | "freejoint" if around.link.is_none() => {
-                    let message = format!("expected <{}> as a child of a <body>, found it outside", child.tag);
+                    let message = format!("expected <{}> as a child of a <body>, found it outside", shown(&child.tag));
                     return Err(self.document.error_at(child, message, "move it into its body"));
                 }
                 _ => {}
@@ -90,10 +103,7 @@ impl<'a> Tree<'a> {
 
     fn body(&mut self, element: &'a Element, around: Around<'a>) -> Result<()> {
         let document = self.document;
-        if self.links.len() >= MOST_LINKS || self.joints.len() >= MOST_LINKS {
-            let message = format!("expected at most {MOST_LINKS} bodies and joints, found more");
-            return Err(document.error_at(element, message, "cut the file down to the robot"));
-        }
+        self.bound(element)?;
         let own = pose(&Given::own(document, element), self.compiler)?;
         let name = self.name(element, true)?;
         let childclass = element.value("childclass").or(around.childclass);
@@ -106,15 +116,12 @@ impl<'a> Tree<'a> {
             inertia: Inertia::zero(),
             weight: Weight::Missing,
         });
-        self.heads.inertials.push(None);
         let inside = Around { link: Some(index), frame: Pose::identity(), childclass };
         self.own_joints(element, index, inside)?;
-        if let Some(inertial) = element.named("inertial").last() {
-            self.heads.inertials[index] = Some(inertial.head());
-            if self.compiler.from_shapes != FromShapes::Always {
-                self.links[index].inertia = self.inertial(inertial, index)?;
-                self.links[index].weight = Weight::Stated;
-            }
+        let stated = element.named("inertial").last().filter(|_| self.compiler.from_shapes != FromShapes::Always);
+        if let Some(inertial) = stated {
+            self.links[index].inertia = self.inertial(inertial, index)?;
+            self.links[index].weight = Weight::Stated;
         }
         self.children(element, inside)?;
         let link = &self.links[index];
@@ -130,6 +137,7 @@ impl<'a> Tree<'a> {
         for child in &element.children {
             match child.tag.as_str() {
                 "joint" | "freejoint" => {
+                    self.bound(child)?;
                     let name = self.name(child, false)?;
                     let class = self.classes.of(document, child, around.childclass)?;
                     let class = (child.tag == "joint").then_some(class.joint.as_slice());
@@ -152,6 +160,15 @@ impl<'a> Tree<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses another body or joint where there are too many.
+    fn bound(&self, element: &Element) -> Result<()> {
+        if self.links.len() < MOST_LINKS && self.joints.len() < MOST_LINKS {
+            return Ok(());
+        }
+        let message = format!("expected at most {MOST_LINKS} bodies and as many joints, found more");
+        Err(self.document.error_at(element, message, "cut the file down to the robot"))
     }
 
     /// Refuses an inertia that no body can have.
@@ -219,18 +236,22 @@ impl<'a> Tree<'a> {
 
     /// The name of a body or a joint, or one for it.
     fn name(&mut self, element: &Element, link: bool) -> Result<String> {
-        let (names, count) =
-            if link { (&mut self.link_names, self.links.len()) } else { (&mut self.joint_names, self.joints.len()) };
+        let (names, next, count) = if link {
+            (&mut self.link_names, &mut self.next_numbers[0], self.links.len())
+        } else {
+            (&mut self.joint_names, &mut self.next_numbers[1], self.joints.len())
+        };
         let Some(name) = element.value("name").filter(|name| !name.is_empty()) else {
             let kind = if link { "body" } else { "joint" };
-            let mut numbers = count..;
-            let made = loop {
-                let made = format!("{kind}_{}", numbers.next().unwrap_or(0));
+            // Numbers that were tried once are taken.
+            *next = count.max(*next);
+            loop {
+                let made = format!("{kind}_{next}");
+                *next += 1;
                 if names.insert(made.clone()) {
-                    break made;
+                    return Ok(made);
                 }
-            };
-            return Ok(made);
+            }
         };
         if names.insert(name.to_owned()) {
             return Ok(name.to_owned());

@@ -18,8 +18,7 @@ mod pose;
 mod shape;
 mod ties;
 
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
 
 use self::actuator::Servo;
 use self::body::Tree;
@@ -31,7 +30,7 @@ use crate::Result;
 use crate::given::Given;
 use crate::robot::{Actuator, Link, Robot, Target};
 use crate::unused::{Changes, Collector};
-use crate::xml::{Document, Element, Reach, load};
+use crate::xml::{Document, Element};
 
 /// Where things of the robot stand: elements without their children, in the order of the robot's lists.
 #[derive(Debug, Clone, Default)]
@@ -40,8 +39,6 @@ pub(crate) struct Heads {
     /// Whether a `springdamper` sets stiffness and damping of each joint.
     pub spring_dampers: Vec<bool>,
     pub actuators: Vec<Element>,
-    /// One for each link; `None` where it has none.
-    pub inertials: Vec<Option<Element>>,
 }
 
 /// What an actuator has from its class or itself.
@@ -74,16 +71,10 @@ impl Mjcf {
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
-
-    /// The files that the model consists of, the named one first.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.document.files.iter().map(|file| file.path.as_path())
-    }
 }
 
-/// The model whose file at `path` holds `text`.
-pub(crate) fn parse(path: &Path, text: &str, reach: Reach) -> Result<Mjcf> {
-    let document = load(path, text, reach)?;
+/// The model that a document describes.
+pub(crate) fn read(document: Document) -> Result<Mjcf> {
     let compiler = Compiler::read(&document)?;
     let classes = Classes::read(&document)?;
     let mut unused = Collector::default();
@@ -91,7 +82,7 @@ pub(crate) fn parse(path: &Path, text: &str, reach: Reach) -> Result<Mjcf> {
     let mut tree = Tree::new(&document, &compiler, &classes, &mut unused);
     tree.read()?;
     let (mut links, joints, mut heads) = (tree.links, tree.joints, tree.heads);
-    finish_inertias(&mut links, &compiler);
+    finish_inertias(&document, &mut links, &compiler)?;
     if links.is_empty() {
         let message = "expected bodies in <worldbody>, found none";
         return Err(document.error_at(&document.root, message, "is this the model of a robot, or only a part of one?"));
@@ -116,7 +107,7 @@ pub(crate) fn parse(path: &Path, text: &str, reach: Reach) -> Result<Mjcf> {
 }
 
 /// Bounds, balance and the total mass that `<compiler>` asks for.
-fn finish_inertias(links: &mut [Link], compiler: &Compiler) {
+fn finish_inertias(document: &Document, links: &mut [Link], compiler: &Compiler) -> Result<()> {
     for link in links.iter_mut() {
         let inertia = &mut link.inertia;
         inertia.mass_kg = inertia.mass_kg.max(compiler.bound_mass_kg);
@@ -134,11 +125,18 @@ fn finish_inertias(links: &mut [Link], compiler: &Compiler) {
     let total: f64 = links.iter().map(|link| link.inertia.mass_kg).sum();
     if compiler.total_mass_kg > 0.0 && total > 0.0 {
         let factor = compiler.total_mass_kg / total;
-        for link in links {
+        for link in links.iter_mut() {
             link.inertia.mass_kg *= factor;
             link.inertia.about_com_kg_m2 *= factor;
         }
     }
+    if links.iter().all(|link| link.inertia.is_finite()) {
+        return Ok(());
+    }
+    let at = document.root.named("compiler").last().unwrap_or(&document.root);
+    let message =
+        "expected finite masses and inertias, found others after `settotalmass`, `boundmass` and `boundinertia`";
+    Err(document.error_at(at, message, "correct these attributes of <compiler>, or the masses"))
 }
 
 /// Reads the actuators into the robot.
@@ -150,6 +148,8 @@ fn actuators(
 ) -> Result<Vec<ServoFacts>> {
     let names: Names = robot.joints.iter().enumerate().map(|(i, joint)| (joint.name.as_str(), i)).collect();
     let tendons: HashMap<&str, usize> = robot.tendons.iter().enumerate().map(|(i, t)| (t.name.as_str(), i)).collect();
+    let of_space = document.root.named("tendon").flat_map(|section| section.named("spatial"));
+    let of_space: HashSet<&str> = of_space.filter_map(|tendon| tendon.value("name")).collect();
     let (mut all, mut facts) = (Vec::new(), Vec::new());
     let mut inertias = EffectiveInertias::new(robot);
     for element in document.root.named("actuator").flat_map(|section| &section.children) {
@@ -164,17 +164,16 @@ fn actuators(
             unused.add(element.file, element.open.start, (tag, None), Changes::Dynamics, what);
         }
         let joint = ties::named(document, element, "joint", &names)?;
-        let spatial = element.value("tendon").is_some_and(|name| !tendons.contains_key(name));
+        // A fixed tendon of the same name comes first.
+        let spatial =
+            element.value("tendon").is_some_and(|name| !tendons.contains_key(name) && of_space.contains(name));
         let tendon = if spatial { None } else { ties::named(document, element, "tendon", &tendons)? };
-        if spatial && !is_spatial(document, element.value("tendon")) {
-            ties::named(document, element, "tendon", &tendons)?;
-        }
         let target = joint.map(Target::Joint).or(tendon.map(Target::Tendon)).unwrap_or(Target::Other);
         let gear = servo.gear[0];
         let inertia = || joint.and_then(|j| inertias.of(j)).map(|m| m / (gear * gear));
         let law = servo.law(inertia);
         if servo.ratio().is_some() && law == crate::Law::Other {
-            let what = "a damping ratio of something else than a hinge or a slide";
+            let what = "a damping ratio of something else than a hinge or a slide with mass and gear";
             unused.add(element.file, element.open.start, (tag, Some("dampratio")), Changes::Dynamics, what);
         }
         facts.push(ServoFacts { ratio: servo.ratio().is_some(), unlimited: servo.unlimited() });
@@ -193,9 +192,4 @@ fn actuators(
     }
     robot.actuators = all;
     Ok(facts)
-}
-
-fn is_spatial(document: &Document, name: Option<&str>) -> bool {
-    let mut spatial = document.root.named("tendon").flat_map(|section| section.named("spatial"));
-    spatial.any(|tendon| tendon.value("name") == name)
 }

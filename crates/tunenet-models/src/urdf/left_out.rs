@@ -83,7 +83,7 @@ fn transmission(element: &Element, unused: &mut Collector) {
     unused.add(0, element.open.start, ("transmission", None), Changes::Readings, what);
     let kind = element.named("type").next();
     if let Some(kind) = kind.or(element.named("plugin").next()) {
-        let what = "how a transmission couples its joints; each is taken as a simple reduction";
+        let what = "how a transmission couples its joints; one joint with one motor is taken as a simple reduction";
         unused.add(0, kind.open.start, (&kind.tag, None), Changes::Dynamics, what);
     }
 }

@@ -7,14 +7,12 @@ mod left_out;
 mod link;
 mod tree;
 
-use std::path::Path;
-
 use self::tree::Tree;
 use crate::Result;
 use crate::given::Given;
 use crate::robot::{Actuator, Coupling, Filter, Law, Robot, Target};
 use crate::unused::Collector;
-use crate::xml::{Document, Element, SourceFile, parse as parse_xml, shown};
+use crate::xml::{Document, Element, shown};
 
 /// Most links of a file: a humanoid with hands has about a hundred.
 const MOST_LINKS: usize = 1000;
@@ -36,11 +34,8 @@ impl Urdf {
     }
 }
 
-/// The model whose file at `path` holds `text`.
-pub(crate) fn parse(path: &Path, text: &str) -> Result<Urdf> {
-    let source = SourceFile { path: path.to_path_buf(), text: text.to_owned() };
-    let root = parse_xml(&source, 0)?;
-    let document = Document { files: vec![source], root };
+/// The model that a document describes.
+pub(crate) fn read(document: Document) -> Result<Urdf> {
     refuse_templates(&document, &document.root)?;
     let count = document.root.named("link").count();
     if count > MOST_LINKS {
@@ -100,24 +95,27 @@ fn couplings(document: &Document, tree: &Tree) -> Result<Vec<Coupling>> {
     Ok(all)
 }
 
-/// What `<transmission>` and `<ros2_control>` say of drives.
+/// What `<transmission>` and `<ros2_control>` say of drives. What couples several motors or joints, such as a differential gear, is no
+/// motor of a joint: its force is left open.
 fn actuators(document: &Document, robot: &Robot) -> Result<Vec<Actuator>> {
     let mut all = Vec::new();
     let root = &document.root;
     let nested = root.named("ros2_control").flat_map(|control| control.named("transmission"));
     for transmission in root.named("transmission").chain(nested) {
         let name = transmission.value("name").unwrap_or("transmission");
+        let (joints, motors) = (transmission.named("joint").count(), transmission.named("actuator").count());
         for joint in transmission.named("joint") {
             let Some(target) = joint.value("name").and_then(|name| robot.joint(name)) else { continue };
-            let mut reductions = vec![joint];
-            reductions.extend(transmission.named("actuator"));
-            let mut gear = 1.0;
-            for element in reductions.iter().flat_map(|at| at.children.iter()) {
-                if matches!(element.tag.as_str(), "mechanicalReduction" | "mechanical_reduction") {
-                    gear *= number_within(document, element)?;
-                }
-            }
-            let law = Law::Affine { gain: 1.0, bias: [0.0; 3] };
+            let of = |element: &Element| {
+                let own =
+                    |child: &&Element| matches!(child.tag.as_str(), "mechanicalReduction" | "mechanical_reduction");
+                element.children.iter().find(own).map(|own| number_within(document, own)).transpose()
+            };
+            // A simple transmission states its ratio once: at the actuator in ROS, at the joint in ROS 2.
+            let simple = joints == 1 && motors <= 1;
+            let motor = transmission.named("actuator").next().filter(|_| simple);
+            let gear = of(joint)?.or(motor.map(of).transpose()?.flatten()).unwrap_or(1.0);
+            let law = if simple { Law::Affine { gain: 1.0, bias: [0.0; 3] } } else { Law::Other };
             let target = Target::Joint(target);
             all.push(Actuator { gear, ..drive(shown(name), target, law, None) });
         }
@@ -148,7 +146,7 @@ fn number_within(document: &Document, element: &Element) -> Result<f64> {
     let text = &document.files[element.file].text;
     let within = text.get(element.open.end..element.close).unwrap_or_default().trim();
     within.parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
-        let message = format!("<{}>: expected a finite number, found `{}`", element.tag, shown(within));
+        let message = format!("<{}>: expected a finite number, found `{}`", shown(&element.tag), shown(within));
         document.error_at(element, message, "mend the number")
     })
 }

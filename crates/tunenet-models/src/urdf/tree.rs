@@ -108,7 +108,8 @@ fn edges<'a>(document: &'a Document, elements: &[&'a Element]) -> Result<Vec<Edg
             let named = element.named(role).next().and_then(|end| end.value("link")).unwrap_or_default();
             links.get(named).copied().ok_or_else(|| {
                 let found = shown(named);
-                let message = format!("joint `{own}`: expected a link as its {role}, found `{found}`, which is none");
+                let message =
+                    format!("joint `{}`: expected a link as its {role}, found `{found}`, which is none", shown(own));
                 document.error_at(element, message, "add the link, or correct its name")
             })
         };

@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use super::source::shown;
-use super::tree::DEEPEST;
-use super::{Attribute, Element, Open, SourceFile, parse};
+use super::tree::{DEEPEST, MOST_ELEMENTS};
+use super::{Attribute, Element, LONGEST, Open, SourceFile, parse};
 use crate::{Error, Result};
 
 /// Most files of a model.
@@ -39,82 +39,105 @@ pub(crate) struct Reach<'a> {
     pub open: Open<'a>,
 }
 
-/// The document whose text is `text`, with what it includes.
+/// The document of a file with this root, and what it includes.
 ///
 /// # Errors
-/// [`Error::Text`] where a file is no XML or an include names a file outside the folder of `path`, one that is not there,
-/// or one that is included already; [`Error::Io`] and [`Error::File`] as the reader of files returns them.
-pub(crate) fn load(path: &Path, text: &str, reach: Reach) -> Result<Document> {
-    let mut files = vec![SourceFile { path: path.to_path_buf(), text: text.to_owned() }];
-    let mut root = parse(&files[0], 0)?;
-    root.children = expanded(std::mem::take(&mut root.children), 1, &mut files, reach)?;
-    Ok(Document { files, root })
+/// [`Error::Text`] where a file is no XML or an include names a file outside the folder of `source`, one that is not there, one that is
+/// included already, or too much; [`Error::Io`] and [`Error::File`] as the reader of files returns them.
+pub(crate) fn load(source: SourceFile, mut root: Element, reach: Reach) -> Result<Document> {
+    let mut loading = Loading { bytes: source.text.len(), elements: 0, files: vec![source], reach };
+    root.children = loading.expanded(std::mem::take(&mut root.children), 1)?;
+    Ok(Document { files: loading.files, root })
 }
 
-/// These elements with what they include, `depth` levels below the root.
-fn expanded(elements: Vec<Element>, depth: usize, files: &mut Vec<SourceFile>, reach: Reach) -> Result<Vec<Element>> {
-    let mut all = Vec::with_capacity(elements.len());
-    for mut element in elements {
-        if depth >= DEEPEST {
-            let message = format!("expected at most {DEEPEST} nested elements, found more");
-            return Err(files[element.file].error(element.open, message, "is this the model of a robot?"));
-        }
-        if element.tag == "include" {
-            let other = included(&element, files, reach)?;
-            all.extend(expanded(other.children, depth, files, reach)?);
-        } else {
-            element.children = expanded(std::mem::take(&mut element.children), depth + 1, files, reach)?;
-            all.push(element);
-        }
-    }
-    Ok(all)
+/// The files of a model while they are read.
+struct Loading<'a> {
+    files: Vec<SourceFile>,
+    /// How long they are together.
+    bytes: usize,
+    elements: usize,
+    reach: Reach<'a>,
 }
 
-/// The root of the file that an `<include>` names.
-fn included(element: &Element, files: &mut Vec<SourceFile>, reach: Reach) -> Result<Element> {
-    let here = &files[element.file];
-    let Some(name) = element.attribute("file") else {
-        let hint = "write <include file=\"parts.xml\"/>, say";
-        return Err(here.error(element.open.clone(), "expected <include> to name a file, found no `file`", hint));
-    };
-    let wrong = |found: String, hint: &str| {
-        let message = format!("expected a file in the folder of the model, found {found}");
-        here.error(name.inner.clone(), message, hint)
-    };
-    let Some(inside) = inside(Path::new(&name.value), reach.leaves) else {
-        return Err(wrong(
-            format!("`{}`, which lies outside it", shown(&name.value)),
-            "copy the file into the folder of the model and name it from there, or allow the folder that holds both",
-        ));
-    };
-    // The folder of the main file comes first, as in MuJoCo; then that of the file with the <include>.
-    let folder = |file: &SourceFile| file.path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let mut places = vec![folder(&files[0]).join(&inside)];
-    let other = folder(here).join(&inside);
-    if other != places[0] {
-        places.push(other);
-    }
-    if files.len() >= MOST_FILES {
-        return Err(wrong(format!("the {MOST_FILES}th file"), "put them into fewer files"));
-    }
-    for path in places {
-        if files.iter().any(|file| file.path == path) {
-            return Err(wrong(
-                format!("`{}`, which is part of the model already", shown(&name.value)),
-                "include each file once, and none that includes this one",
-            ));
-        }
-        match (reach.open)(&path) {
-            Ok(text) => {
-                files.push(SourceFile { path, text });
-                let index = files.len() - 1;
-                return parse(&files[index], index);
+impl Loading<'_> {
+    /// These elements with what they include, `depth` levels below the root.
+    fn expanded(&mut self, elements: Vec<Element>, depth: usize) -> Result<Vec<Element>> {
+        let mut all = Vec::with_capacity(elements.len());
+        for mut element in elements {
+            self.elements += 1;
+            let limit = match (depth >= DEEPEST, self.elements > MOST_ELEMENTS) {
+                (true, _) => Some(format!("{DEEPEST} nested elements")),
+                (_, true) => Some(format!("{MOST_ELEMENTS} elements in all files")),
+                _ => None,
+            };
+            if let Some(limit) = limit {
+                let message = format!("expected at most {limit}, found more");
+                return Err(self.files[element.file].error(element.open, message, "is this the model of a robot?"));
             }
-            Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
-            Err(error) => return Err(error),
+            if element.tag == "include" {
+                let other = self.included(&element)?;
+                all.extend(self.expanded(other.children, depth)?);
+            } else {
+                element.children = self.expanded(std::mem::take(&mut element.children), depth + 1)?;
+                all.push(element);
+            }
         }
+        Ok(all)
     }
-    Err(wrong(format!("`{}`, which is not there", shown(&name.value)), "correct the name, or copy the file there"))
+
+    /// The root of the file that an `<include>` names.
+    fn included(&mut self, element: &Element) -> Result<Element> {
+        let here = &self.files[element.file];
+        let Some(name) = element.attribute("file") else {
+            let hint = "write <include file=\"parts.xml\"/>, say";
+            return Err(here.error(element.open.clone(), "expected <include> to name a file, found no `file`", hint));
+        };
+        let wrong = |found: String, hint: &str| {
+            let message = format!("expected a file in the folder of the model, found {found}");
+            Err(here.error(name.inner.clone(), message, hint))
+        };
+        let Some(inside) = inside(Path::new(&name.value), self.reach.leaves) else {
+            return wrong(
+                format!("`{}`, which lies outside it", shown(&name.value)),
+                "copy the file into the folder of the model and name it from there, or allow the folder that holds both",
+            );
+        };
+        // The folder of the main file comes first, as in MuJoCo; then that of the file with the <include>.
+        let folder = |file: &SourceFile| file.path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let mut places = vec![folder(&self.files[0]).join(&inside)];
+        let other = folder(here).join(&inside);
+        if other != places[0] {
+            places.push(other);
+        }
+        if self.files.len() >= MOST_FILES {
+            return wrong(format!("more than {MOST_FILES} files"), "put them into fewer files");
+        }
+        for path in places {
+            if self.files.iter().any(|file| file.path == path) {
+                return wrong(
+                    format!("`{}`, which is part of the model already", shown(&name.value)),
+                    "include each file once, and none that includes this one",
+                );
+            }
+            match (self.reach.open)(&path) {
+                Ok(text) => {
+                    let bytes = self.bytes + text.len();
+                    if bytes as u64 > LONGEST {
+                        let found =
+                            format!("`{}`, with which they hold more than {} MB", shown(&name.value), LONGEST >> 20);
+                        return wrong(found, "is this the model? meshes stand in files of their own");
+                    }
+                    self.bytes = bytes;
+                    self.files.push(SourceFile::new(&path, &text));
+                    let index = self.files.len() - 1;
+                    return parse(&self.files[index], index);
+                }
+                Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
+        }
+        wrong(format!("`{}`, which is not there", shown(&name.value)), "correct the name, or copy the file there")
+    }
 }
 
 /// The path without `.`; `None` where it is absolute or, unless it may, leaves the folder.
@@ -149,7 +172,9 @@ mod tests {
             let missing = || Error::Io { path: path.to_path_buf(), source: ErrorKind::NotFound.into() };
             found.map(|(_, text)| (*text).to_owned()).ok_or_else(missing)
         };
-        load(Path::new(files[0].0), files[0].1, Reach { leaves: false, open: &open })
+        let source = SourceFile::new(Path::new(files[0].0), files[0].1);
+        let root = parse(&source, 0)?;
+        load(source, root, Reach { leaves: false, open: &open })
     }
 
     #[test]
@@ -178,5 +203,17 @@ mod tests {
             assert!(error.to_string().contains(found), "{error}");
             assert!(matches!(error, Error::Text { .. }));
         }
+    }
+
+    #[test]
+    fn all_files_together_are_bounded() {
+        let part = format!("<r><!--{}--></r>", " ".repeat(6 << 20));
+        let main = "<m><include file='b.xml'/><include file='c.xml'/><include file='d.xml'/></m>";
+        let files = [("a.xml", main), ("b.xml", &part), ("c.xml", &part), ("d.xml", &part)];
+        let error = read(&files).unwrap_err();
+        assert!(error.to_string().contains("`d.xml`, with which they hold more than 16 MB"), "{error}");
+        let many = format!("<r>{}</r>", "<a/>".repeat(MOST_ELEMENTS / 2));
+        let error = read(&[("a.xml", main), ("b.xml", &many), ("c.xml", &many), ("d.xml", "<r/>")]).unwrap_err();
+        assert!(error.to_string().contains("elements in all files"), "{error}");
     }
 }

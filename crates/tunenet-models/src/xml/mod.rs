@@ -7,5 +7,5 @@ mod tree;
 
 pub(crate) use include::{Document, Reach, load};
 pub use source::read_file;
-pub(crate) use source::{Open, SourceFile, shown};
+pub(crate) use source::{LONGEST, Open, SourceFile, shown};
 pub(crate) use tree::{Attribute, Element, parse};

@@ -3,11 +3,12 @@
 use std::io::{ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use crate::{Error, Result};
 
-/// Longest file, bytes: the largest models of robots have a few hundred thousand.
-const LONGEST: u64 = 16 << 20;
+/// Longest file, and most that all files of a model hold together, bytes: the largest models of robots have a few hundred thousand.
+pub(crate) const LONGEST: u64 = 16 << 20;
 /// Longest line that an error shows, characters.
 const LONGEST_SHOWN: usize = 200;
 
@@ -19,12 +20,19 @@ pub(crate) type Open<'a> = &'a dyn Fn(&Path) -> Result<String>;
 pub(crate) struct SourceFile {
     pub path: PathBuf,
     pub text: String,
+    /// Where lines end, once somebody asks for one.
+    line_ends: OnceLock<Vec<usize>>,
 }
 
 impl SourceFile {
+    pub fn new(path: &Path, text: &str) -> Self {
+        Self { path: path.to_path_buf(), text: text.to_owned(), line_ends: OnceLock::new() }
+    }
+
     /// The line of a byte, from 1.
     pub fn line(&self, at: usize) -> usize {
-        1 + self.text[..boundary(&self.text, at)].matches('\n').count()
+        let ends = self.line_ends.get_or_init(|| self.text.match_indices('\n').map(|(end, _)| end).collect());
+        1 + ends.partition_point(|end| *end < at)
     }
 
     /// An error at these bytes.
@@ -73,6 +81,11 @@ pub fn read_file(path: &Path) -> Result<String> {
     if about.is_dir() {
         return Err(io(ErrorKind::IsADirectory.into()));
     }
+    // Opening a pipe waits for its writer, and a device may never end.
+    if !about.is_file() {
+        let message = "expected a file, found a pipe or a device";
+        return Err(Error::file(path, message, "write the model to a file, and name that"));
+    }
     let mut bytes = Vec::new();
     std::fs::File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes)).map_err(io)?;
     if bytes.len() as u64 > LONGEST {
@@ -84,4 +97,23 @@ pub fn read_file(path: &Path) -> Result<String> {
         let message = format!("expected UTF-8, found something else at byte {at}");
         Error::file(path, message, "save the file as UTF-8")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_count_from_one_and_end_with_their_break() {
+        let file = SourceFile::new(Path::new("a.xml"), "a\né\n\nb");
+        let lines: Vec<usize> = (0..=file.text.len() + 2).map(|at| file.line(at)).collect();
+        assert_eq!(lines, [1, 1, 2, 2, 2, 3, 4, 4, 4, 4]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_refused_before_it_is_opened() {
+        let error = read_file(Path::new("/dev/zero")).unwrap_err();
+        assert!(error.to_string().contains("found a pipe or a device"), "{error}");
+    }
 }

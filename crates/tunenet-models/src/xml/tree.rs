@@ -11,9 +11,8 @@ use crate::{Error, Result};
 
 /// Deepest nesting: a body hangs on its parent's element, and long chains exist.
 pub(crate) const DEEPEST: usize = 200;
-/// Most elements of a file.
-const MOST_ELEMENTS: usize = 400_000;
-
+/// Most elements of a file, and of all files of a model together.
+pub(crate) const MOST_ELEMENTS: usize = 400_000;
 /// Most attributes of an element.
 const MOST_ATTRIBUTES: usize = 200;
 
@@ -182,7 +181,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Element> {
-        parse(&SourceFile { path: "a.xml".into(), text: text.into() }, 0)
+        parse(&SourceFile::new("a.xml".as_ref(), text), 0)
     }
 
     #[test]
