@@ -12,6 +12,8 @@ struct Link {
     rotation: Rotation3<f64>,
     position: Vector3<f64>,
     axis: Vector3<f64>,
+    /// From the origin of the carrier to that of the link.
+    arm: Vector3<f64>,
     /// Angular velocity and acceleration.
     omega: Vector3<f64>,
     alpha: Vector3<f64>,
@@ -52,6 +54,7 @@ impl<'a> Recursion<'a> {
             rotation: Rotation3::identity(),
             position: zero,
             axis: zero,
+            arm: zero,
             omega: zero,
             alpha: zero,
             acceleration: zero,
@@ -67,7 +70,13 @@ impl<'a> Recursion<'a> {
     /// # Panics
     /// Where a slice is shorter.
     pub fn inverse_dynamics(&mut self, q: &[f64], dq: &[f64], ddq: &[f64], torque: &mut [f64]) {
-        self.outwards(q, dq, ddq);
+        self.place(q);
+        self.torques(dq, ddq, torque);
+    }
+
+    /// The same at the position of the last [`place`](Self::place).
+    pub(crate) fn torques(&mut self, dq: &[f64], ddq: &[f64], torque: &mut [f64]) {
+        self.outwards(dq, ddq);
         torque.fill(0.0);
         for i in (0..self.links.len()).rev() {
             let (body, link) = (&self.model.bodies[i], self.links[i]);
@@ -81,32 +90,52 @@ impl<'a> Recursion<'a> {
         }
     }
 
-    /// The motion of all bodies, and the force and moment that each alone needs.
-    fn outwards(&mut self, q: &[f64], dq: &[f64], ddq: &[f64]) {
+    /// Places all bodies at the position `q`.
+    ///
+    /// # Panics
+    /// Where it is shorter than [`Model::degrees`].
+    pub(crate) fn place(&mut self, q: &[f64]) {
         let zero = Vector3::zeros();
         for (i, body) in self.model.bodies.iter().enumerate() {
-            let (rotation, position, omega, alpha, acceleration) = match body.parent.map(|p| &self.links[p]) {
-                Some(p) => (p.rotation, p.position, p.omega, p.alpha, p.acceleration),
-                None => (Rotation3::identity(), zero, zero, zero, -self.gravity),
+            let (rotation, position) = match body.parent.map(|p| &self.links[p]) {
+                Some(p) => (p.rotation, p.position),
+                None => (Rotation3::identity(), zero),
             };
-            let c = &body.coordinate;
-            let (at, speed) = (c.position(q), c.multiplier * dq[c.index]);
-            let faster = c.multiplier * ddq[c.index];
+            let at = body.coordinate.position(q);
             let mut arm = rotation * body.placement.translation.vector;
             let joint = rotation * body.placement.rotation;
             let axis = joint * body.joint.axis.into_inner();
             let link = &mut self.links[i];
+            link.rotation = if body.joint.kind == JointKind::Prismatic {
+                arm += axis * at;
+                joint
+            } else {
+                joint * Rotation3::from_axis_angle(&body.joint.axis, at)
+            };
+            link.axis = axis;
+            link.arm = arm;
+            link.position = position + arm;
+        }
+    }
+
+    /// The motion of all bodies where they are placed, and the force and moment that each alone needs.
+    fn outwards(&mut self, dq: &[f64], ddq: &[f64]) {
+        let zero = Vector3::zeros();
+        for (i, body) in self.model.bodies.iter().enumerate() {
+            let (omega, alpha, acceleration) = match body.parent.map(|p| &self.links[p]) {
+                Some(p) => (p.omega, p.alpha, p.acceleration),
+                None => (zero, zero, -self.gravity),
+            };
+            let c = &body.coordinate;
+            let (speed, faster) = (c.multiplier * dq[c.index], c.multiplier * ddq[c.index]);
+            let link = &mut self.links[i];
+            let (axis, arm) = (link.axis, link.arm);
             let (mut sliding, mut turning) = (zero, (zero, zero));
             if body.joint.kind == JointKind::Prismatic {
-                arm += axis * at;
                 sliding = omega.cross(&axis) * (2.0 * speed) + axis * faster;
-                link.rotation = joint;
             } else {
                 turning = (axis * speed, axis * faster + omega.cross(&axis) * speed);
-                link.rotation = joint * Rotation3::from_axis_angle(&body.joint.axis, at);
             }
-            link.axis = axis;
-            link.position = position + arm;
             link.acceleration = acceleration + alpha.cross(&arm) + omega.cross(&omega.cross(&arm)) + sliding;
             link.omega = omega + turning.0;
             link.alpha = alpha + turning.1;

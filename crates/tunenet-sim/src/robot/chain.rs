@@ -85,11 +85,12 @@ impl Chain<'_> {
         let n = self.joints.len();
         let measured: Vec<f64> = q.iter().zip(w).map(|(q, w)| q + 0.5 * dt * w).collect();
         let place: Vec<f64> = measured.iter().zip(self.joints).map(|(q, joint)| q + joint.zero).collect();
+        self.weighing.place(&place);
         self.weigh(&place);
         let mut after = DVector::from_column_slice(w);
         for _ in 0..PASSES {
             let middle: Vec<f64> = w.iter().zip(after.iter()).map(|(a, b)| 0.5 * (a + b)).collect();
-            self.weighing.inverse_dynamics(&place, &middle, &self.zeros, &mut self.bias);
+            self.weighing.torques(&middle, &self.zeros, &mut self.bias);
             let mut matrix = self.mass.clone();
             let mut impulse = &self.mass * DVector::from_column_slice(w);
             let mut most = Vec::with_capacity(n);
@@ -112,11 +113,12 @@ impl Chain<'_> {
 
     /// The mass matrix at a position, armatures included.
     fn weigh(&mut self, place: &[f64]) {
+        self.weightless.place(place);
         for j in 0..self.joints.len() {
             self.unit.fill(0.0);
             self.unit[j] = 1.0;
-            self.weightless.inverse_dynamics(place, &self.zeros, &self.unit, &mut self.column);
-            self.mass.set_column(j, &DVector::from_column_slice(&self.column));
+            self.weightless.torques(&self.zeros, &self.unit, &mut self.column);
+            self.mass.column_mut(j).copy_from_slice(&self.column);
             self.mass[(j, j)] += self.joints[j].armature;
         }
     }
