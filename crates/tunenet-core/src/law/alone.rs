@@ -38,7 +38,8 @@ pub(super) fn near(session: &Session, laws: Vec<Law>, best: f64, margin: f64) ->
     let as_simple = |law: &Law| {
         leads && factors(law).is_some() && factors(law) == factors(&lead) && chosen(law) <= chosen(&lead) + 1
     };
-    let within = |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= explained - SUBSTANTIAL;
+    let within =
+        |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= explained - SUBSTANTIAL;
     laws.into_iter().filter(within).collect()
 }
 
