@@ -19,9 +19,13 @@ fn faults_of_a_urdf_are_its_own() {
     let cycle = "<joint name=\"back\" type=\"revolute\"><parent link=\"rod\"/><child link=\"base\"/><axis xyz=\"1 0 0\"/></joint></robot>";
     let cases: [(&str, &str, &[&str]); 9] = [
         (inertial, "", &["pendulum.urdf", "<inertial> of link `rod`"]),
-        ("mass value=\"0.5\"", "mass value=\"-0.5\"", &["pendulum.urdf:3:3", "link `rod`", "mass above 0 kg", "-0.5"]),
+        (
+            "mass value=\"0.5\"",
+            "mass value=\"-0.5\"",
+            &["pendulum.urdf:3:3", "link `rod`", "mass of 0 kg or more", "-0.5"],
+        ),
         ("ixx=\"0.01\"", "ixx=\"-0.01\"", &["pendulum.urdf:3:3", "inertia above 0 about every axis"]),
-        ("izz=\"0.001\"", "izz=\"0.1\"", &["pendulum.urdf:3:3", "none exceeds the sum of the others"]),
+        ("izz=\"0.001\"", "izz=\"0.1\"", &["pendulum.urdf:3:3", "at most the sum of the others"]),
         ("lower=\"-2\"", "lower=\"-2,0\"", &["pendulum.urdf:6:19", "<limit lower=…>: expected a number, found `-2,0`"]),
         ("xyz=\"0 0 -0.2\"", "xyz=\"0 0\"", &["pendulum.urdf:3:43", "expected 3 numbers, found `0 0`"]),
         ("<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0 0\">", &["pendulum.urdf:6:", "</axis>", "mend the XML"]),

@@ -32,12 +32,12 @@ pub mod urdf;
 
 pub use controller::ComputedTorque;
 pub use dynamics::Recursion;
-pub use inertia::Inertia;
 pub use kinematics::Kinematics;
 pub use model::{Body, Coordinate, Frame, Joint, JointKind, Limits, Model};
 pub use motion::{Circle, Motion};
 pub use multibody::Multibody;
 pub use payload::{PAYLOAD_NUMBERS, payload_numbers};
+pub use tunenet_models::Inertia;
 
 /// A place and an orientation: from the coordinates of one frame to those of another.
 pub type Pose = nalgebra::IsometryMatrix3<f64>;

@@ -40,7 +40,7 @@ impl Limits {
 /// What joint a body hangs on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Its name in the URDF.
+    /// Its name in the model file.
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
@@ -52,6 +52,9 @@ pub struct Joint {
     pub damping: f64,
     /// Coulomb friction, N·m or N.
     pub friction: f64,
+    /// Inertia of the rotor as the joint feels it, kg·m² or kg; 0 of a URDF, which has none. Arms that torques drive take it from
+    /// their simulation file instead.
+    pub armature: f64,
 }
 
 impl Joint {

@@ -13,7 +13,7 @@ pub const PAYLOAD_NUMBERS: usize = 10;
 /// origin (kg·m²: xx, xy, xz, yy, yz, zz).
 #[must_use]
 pub fn payload_numbers(load: &Inertia) -> [f64; PAYLOAD_NUMBERS] {
-    let (m, c, i) = (load.mass_kg, load.com_m * load.mass_kg, load.about_origin_kg_m2());
+    let (m, c, i) = (load.mass_kg, load.com_m * load.mass_kg, load.about_kg_m2(&Vector3::zeros()));
     [m, c.x, c.y, c.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
 }
 

@@ -35,7 +35,7 @@ pub use reference::with_reference;
 pub use suspicions::suspect;
 
 use crate::arm::effects::{ALL, Imperfections};
-use crate::arm::urdf::JointFriction;
+use crate::arm::model_file::JointFriction;
 use crate::arm::{Frame, Model};
 use crate::formula_effect::FormulaEffect;
 use acting::Acting;

@@ -78,7 +78,7 @@ impl Arm {
         let mut shown = vec![0.0; input.len() * n];
         self.add(input, Run { first: 0, loaded: true }, load, arm, 1.0, &mut shown);
         if input.channels().len() > n * LOADED {
-            self.add(input, Run { first: n * LOADED, loaded: false }, &Inertia::default(), arm, -1.0, &mut shown);
+            self.add(input, Run { first: n * LOADED, loaded: false }, &Inertia::zero(), arm, -1.0, &mut shown);
         }
         shown
     }

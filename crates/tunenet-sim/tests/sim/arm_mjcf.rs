@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::arm::urdf::JointFriction;
+use tunenet_sim::arm::model_file::JointFriction;
 use tunenet_sim::arm::{Model, Recursion, model_file, urdf};
 use tunenet_sim::observed_arm::ObservedArm;
 
@@ -78,6 +78,20 @@ fn friction_goes_into_the_mjcf_alone() {
 }
 
 #[test]
+fn friction_goes_into_the_joint_of_a_urdf_and_into_no_comment() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.urdf");
+    let text = "<robot name='r'><link name='u'/><link name='v'/><!-- <joint name='a' type='fixed'></joint> -->\n\
+        <joint\n name='a'\n type='continuous'><parent link='u'/><child link='v'/>\n <dynamics damping='9'></dynamics></joint>\n\
+        <transmission name='t'><joint name='a'><x/></joint></transmission></robot>";
+    std::fs::write(&path, text).unwrap();
+    let found = [JointFriction { joint: "a".into(), damping: 1.0, friction: 2.0 }];
+    let written = model_file::with_friction(&path, &found).unwrap();
+    assert_eq!(written, text.replace("damping='9'", "damping='1' friction=\"2\""));
+    assert!(model_file::with_friction(&path, &[JointFriction { joint: "b".into(), ..found[0].clone() }]).is_err());
+}
+
+#[test]
 fn what_only_a_mesh_weighs_is_asked_for_and_free_joints_are_held() {
     let body = |inside: &str| format!("<mujoco><worldbody><body name='b'>{inside}</body></worldbody></mujoco>");
     let parse = |text: &str| model_file::parse_mjcf(Path::new("m.xml"), text);
@@ -108,6 +122,15 @@ fn followers_move_in_proportion_around_their_references() {
     assert!((model.bodies[1].coordinate.position(&[0.8]) - (-0.25 + 0.1 + 2.0 * 0.3)).abs() < 1e-12);
     let circle = text.replace("joint1='three' polycoef='0.3'", "joint1='one' joint2='two'");
     assert!(model_file::parse_mjcf(Path::new("m.xml"), &circle).is_err());
+    // The second equality of a joint cannot count as well, and is noted.
+    let twice = text.replace("</equality>", "<joint joint1='two' joint2='one' polycoef='0 5'/></equality>");
+    let model = model_file::parse_mjcf(Path::new("m.xml"), &twice).unwrap();
+    assert_eq!(model.bodies[1].coordinate.multiplier, 2.0);
+    assert!(model.notes.iter().any(|note| note.text.contains("`two` follows several others")), "{:?}", model.notes);
+    let steep = text.replace("joint1='three' polycoef='0.3'", "joint1='three' joint2='two' polycoef='0 1e300'");
+    let steep = steep.replace("'0.1 2'", "'0 1e300'");
+    let refused = model_file::parse_mjcf(Path::new("m.xml"), &steep).unwrap_err().to_string();
+    assert!(refused.contains("expected to follow by finite numbers"), "{refused}");
 }
 
 /// MuJoCo's answers, by the judge of the readers' own tests.

@@ -33,10 +33,10 @@ fn a_plain_file_is_read() {
 fn what_no_arm_can_be_is_refused() {
     let cases = [
         ("", "", "expected a URDF with <robot>, found none"),
-        ("<mass value=\"2\"/>", "<mass value=\"-2\"/>", "link `upper`: expected a mass above 0 kg, found -2 kg"),
+        ("<mass value=\"2\"/>", "<mass value=\"-2\"/>", "link `upper`: expected a mass of 0 kg or more, found -2 kg"),
         ("<mass value=\"2\"/>", "<mass value=\"NaN\"/>", "link `upper`: expected finite numbers, found NaN"),
         ("ixx=\"0.1\"", "ixx=\"-0.1\"", "link `upper`: expected inertia above 0 about every axis"),
-        ("ixx=\"0.1\"", "ixx=\"1.1\"", "none exceeds the sum of the others, found 1.100e0 against 1.200e-1"),
+        ("ixx=\"0.1\"", "ixx=\"1.1\"", "at most the sum of the others, found 1.100e0 kg·m² and 1.200e-1 kg·m²"),
         ("<parent link=\"base\"/>", "<parent link=\"ground\"/>", "expected a link as its parent, found `ground`"),
         ("<parent link=\"base\"/>", "<parent link=\"lower\"/>", "expected a tree, found a cycle"),
         ("name=\"lower\"", "name=\"upper\"", "expected each link once, found `upper` twice"),

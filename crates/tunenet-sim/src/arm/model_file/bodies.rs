@@ -4,10 +4,11 @@ use std::path::Path;
 
 use nalgebra::{Rotation3, Translation3, Vector3};
 use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
 use tunenet_formats::{Error, Result};
 use tunenet_models::{Motion, Robot, Weight};
 
-use super::left_out;
+use super::left_out::{self, Driven};
 use crate::arm::{Body, Coordinate, Frame, Inertia, Joint, JointKind, Limits, Model, Pose};
 use crate::findings;
 
@@ -21,13 +22,13 @@ enum Role {
 }
 
 /// The model of a robot that the file at `path` describes.
-pub(super) fn model(path: &Path, robot: &Robot) -> Result<Model> {
-    let mut notes = left_out::notes(robot);
+pub(super) fn model(path: &Path, robot: &Robot, driven: Driven) -> Result<Model> {
+    let mut notes = left_out::notes(robot, driven);
     let roles = roles(path, robot, &mut notes)?;
     let mut model = Model { name: robot.name.clone(), bodies: Vec::new(), frames: Vec::new(), notes };
     // Where each link went: the body that carries it, and its place there.
     let mut homes: Vec<(Option<usize>, Pose)> = Vec::new();
-    for (index, link) in robot.links.iter().enumerate() {
+    for link in &robot.links {
         let (mut carrier, mut place) = link.parent.map_or((None, Pose::identity()), |parent| homes[parent]);
         place *= link.placement;
         for &j in &link.joints {
@@ -41,7 +42,7 @@ pub(super) fn model(path: &Path, robot: &Robot) -> Result<Model> {
                     let placement = place * anchor * moved(joint, 0.0);
                     let joint = described(robot, j);
                     model.notes.extend(joint.without_limits());
-                    let inertia = Inertia::default();
+                    let inertia = Inertia::zero();
                     let body = Body { name: link.name.clone(), parent: carrier, placement, joint, coordinate, inertia };
                     model.bodies.push(body);
                     (carrier, place) = (Some(model.bodies.len() - 1), away);
@@ -52,16 +53,11 @@ pub(super) fn model(path: &Path, robot: &Robot) -> Result<Model> {
             if let Weight::Mesh(what) = &link.weight {
                 return Err(without_mass(path, &link.name, what));
             }
-            let own = Inertia {
-                mass_kg: link.inertia.mass_kg,
-                com_m: link.inertia.com_m,
-                about_com_kg_m2: link.inertia.about_com_kg_m2,
-            };
             let carrier = &mut model.bodies[body];
-            carrier.inertia = carrier.inertia.with(&own.seen_from(&place));
+            carrier.inertia = carrier.inertia.with(&link.inertia.seen_from(&place));
         }
         homes.push((carrier, place));
-        model.frames.push(Frame { name: robot.links[index].name.clone(), body: carrier, placement: place });
+        model.frames.push(Frame { name: link.name.clone(), body: carrier, placement: place });
     }
     if model.bodies.is_empty() {
         let message = "expected a hinge or a slide, found none";
@@ -101,32 +97,66 @@ fn described(robot: &Robot, index: usize) -> Joint {
         velocity: joint.velocity_limit.unwrap_or(f64::INFINITY),
         effort: effort.unwrap_or(f64::INFINITY),
     };
-    Joint { name: joint.name.clone(), kind, axis: joint.axis, limits, damping: joint.damping, friction: joint.friction }
+    let (damping, friction, armature) = (joint.damping, joint.friction, joint.armature);
+    Joint { name: joint.name.clone(), kind, axis: joint.axis, limits, damping, friction, armature }
 }
 
 fn without_mass(path: &Path, link: &str, what: &str) -> Error {
-    let message =
-        format!("body `{link}`, which moves: expected an <inertial>, found none: its mass would come from {what}");
+    let message = format!(
+        "body `{}`, which moves: expected an <inertial>, found none: its mass would come from {what}",
+        visible(link)
+    );
     let hint = "add <inertial> with mass and inertia; MuJoCo writes it where <compiler saveinertial=\"true\"/> stands and it saves \
                 the model";
     Error::file(path, message, hint)
 }
 
+/// How a joint follows another one in proportion.
+#[derive(Debug, Clone, Copy)]
+struct Tie {
+    /// The joint that it follows; `None` where it is held.
+    other: Option<usize>,
+    constant: f64,
+    factor: f64,
+}
+
+/// The tie of each joint. Curves are no ties; of several, the first counts, and the others are noted.
+fn ties(robot: &Robot, notes: &mut Vec<Note>) -> Vec<Option<Tie>> {
+    let mut ties: Vec<Option<Tie>> = vec![None; robot.joints.len()];
+    for coupling in &robot.couplings {
+        let [constant, factor, curve @ ..] = coupling.coefficients;
+        if curve.iter().any(|c| *c != 0.0) {
+            continue;
+        }
+        let tie = &mut ties[coupling.joint];
+        if tie.is_some() {
+            let name = visible(&robot.joints[coupling.joint].name);
+            let text = format!(
+                "joint `{name}` follows several others; the first equality counts, and the others are left out"
+            );
+            notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "write one equality for each joint"));
+        } else {
+            *tie = Some(Tie { other: coupling.other, constant, factor });
+        }
+    }
+    ties
+}
+
 /// What becomes of each joint.
 fn roles(path: &Path, robot: &Robot, notes: &mut Vec<Note>) -> Result<Vec<Role>> {
+    let ties = ties(robot, notes);
     let mut roles = Vec::new();
     let mut next = 0;
-    for (index, joint) in robot.joints.iter().enumerate() {
-        let tie = tie(robot, index);
+    for (joint, tie) in robot.joints.iter().zip(&ties) {
         roles.push(match (joint.motion, tie) {
             (Motion::Ball | Motion::Free, _) => {
                 let kind = if joint.motion == Motion::Ball { "ball" } else { "free" };
-                let text = format!("{kind} joint `{}` is held where the file places it", joint.name);
+                let text = format!("{kind} joint `{}` is held where the file places it", visible(&joint.name));
                 notes.push(Note::new(findings::URDF_HELD, text, ""));
                 Role::Held(0.0)
             }
-            (_, Some((None, [constant, _]))) => Role::Held(joint.reference + constant),
-            (_, Some((Some(_), _))) => Role::Moves(Coordinate { own: false, ..Coordinate::own(0) }),
+            (_, Some(Tie { other: None, constant, .. })) => Role::Held(joint.reference + constant),
+            (_, Some(_)) => Role::Moves(Coordinate { own: false, ..Coordinate::own(0) }),
             (_, None) => {
                 next += 1;
                 Role::Moves(Coordinate::own(next - 1))
@@ -135,37 +165,42 @@ fn roles(path: &Path, robot: &Robot, notes: &mut Vec<Note>) -> Result<Vec<Role>>
     }
     for index in 0..robot.joints.len() {
         if matches!(roles[index], Role::Moves(Coordinate { own: false, .. })) {
-            roles[index] = followed(path, robot, index, &roles)?;
+            roles[index] = followed(path, robot, index, (&ties, &roles))?;
         }
     }
     Ok(roles)
 }
 
-/// The joint that this one follows in proportion, and the coefficients; `None` where it moves by itself.
-fn tie(robot: &Robot, joint: usize) -> Option<(Option<usize>, [f64; 2])> {
-    let coupling = robot.couplings.iter().find(|coupling| coupling.joint == joint)?;
-    let [constant, factor, rest @ ..] = coupling.coefficients;
-    rest.iter().all(|c| *c == 0.0).then_some((coupling.other, [constant, factor]))
-}
-
 /// What moves a joint that follows others, through all of them.
-fn followed(path: &Path, robot: &Robot, start: usize, roles: &[Role]) -> Result<Role> {
+fn followed(path: &Path, robot: &Robot, start: usize, (ties, roles): (&[Option<Tie>], &[Role])) -> Result<Role> {
     let (mut at, mut multiplier, mut offset) = (start, 1.0, 0.0);
+    let name = || visible(&robot.joints[start].name);
+    let finite = |role: Role, numbers: [f64; 2]| {
+        if numbers.iter().all(|number| number.is_finite()) {
+            return Ok(role);
+        }
+        let message = format!("joint `{}`: expected to follow by finite numbers, found others", name());
+        Err(Error::file(path, message, "correct `polycoef` of the equalities between joints"))
+    };
     for _ in 0..=robot.joints.len() {
-        match (roles[at], tie(robot, at)) {
-            (Role::Held(position), _) => return Ok(Role::Held(multiplier * position + offset)),
-            (_, Some((Some(other), [constant, factor]))) => {
+        match (roles[at], ties[at]) {
+            (Role::Held(position), _) => {
+                let position = multiplier * position + offset;
+                return finite(Role::Held(position), [position, 0.0]);
+            }
+            (Role::Moves(coordinate), None) => {
+                let moves = Coordinate { index: coordinate.index, multiplier, offset, own: false };
+                return finite(Role::Moves(moves), [multiplier, offset]);
+            }
+            (Role::Moves(_), Some(Tie { other: Some(other), constant, factor })) => {
                 let (own, others) = (robot.joints[at].reference, robot.joints[other].reference);
                 offset += multiplier * (own + constant - factor * others);
                 multiplier *= factor;
                 at = other;
             }
-            (Role::Moves(coordinate), _) => {
-                return Ok(Role::Moves(Coordinate { index: coordinate.index, multiplier, offset, own: false }));
-            }
+            (Role::Moves(_), Some(Tie { other: None, .. })) => break,
         }
     }
-    let message =
-        format!("joint `{}`: expected to follow a joint that moves by itself, found none", robot.joints[start].name);
+    let message = format!("joint `{}`: expected to follow a joint that moves by itself, found none", name());
     Err(Error::file(path, message, "let one joint of the circle be free"))
 }

@@ -1,6 +1,7 @@
 //! What an MJCF holds and the model of an arm leaves out, as notes.
 
 use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
 use tunenet_models::{Changes, Joint, Robot};
 
 use crate::findings;
@@ -8,26 +9,35 @@ use crate::findings;
 /// Most things that one note names.
 const MOST_NAMED: usize = 12;
 
+/// What moves the joints of a model in its simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Driven {
+    /// Recorded torques.
+    Torques,
+    /// Commands, by way of motors that the simulation file describes.
+    Commands,
+}
+
 /// All that is left out: what may matter first.
-pub(super) fn notes(robot: &Robot) -> Vec<Note> {
+pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     let mut notes = Vec::new();
     let matters = |changes| matches!(changes, Changes::Structure | Changes::Dynamics | Changes::Unknown);
     let named: Vec<String> =
         robot.unused.iter().filter(|left| matters(left.changes)).map(ToString::to_string).collect();
     if !named.is_empty() {
-        let text = format!("the model file states what the arm leaves out: {}", listed(&named));
+        let text = format!("the model file states what the simulation leaves out: {}", listed(&named));
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "check that it does not matter, or remove it"));
     }
     let effects = [
-        ("armature (`effects.armature`)", (|joint| joint.armature) as fn(&Joint) -> f64),
-        ("springs (`effects.joint_spring`)", |joint| joint.stiffness),
+        ("armature (`effects.armature`)", (|joint| joint.armature) as fn(&Joint) -> f64, driven == Driven::Torques),
+        ("springs (`effects.joint_spring`)", |joint| joint.stiffness, true),
     ];
-    for (what, number) in effects {
+    for (what, number, _) in effects.into_iter().filter(|(.., named)| *named) {
         let stated = robot.joints.iter().filter(|joint| number(joint) != 0.0);
-        let stated: Vec<String> = stated.map(|joint| format!("`{}` {}", joint.name, number(joint))).collect();
+        let stated: Vec<String> = stated.map(|joint| format!("`{}` {}", visible(&joint.name), number(joint))).collect();
         if !stated.is_empty() {
             let text = format!(
-                "the model file states {what}, which the arm takes from the simulation file: {}",
+                "the model file states {what}, which count only if the simulation file has them: {}",
                 listed(&stated)
             );
             notes.push(Note::new(findings::MODEL_EFFECTS, text, "write them under [effects] if they are to count"));
@@ -37,7 +47,7 @@ pub(super) fn notes(robot: &Robot) -> Vec<Note> {
         .couplings
         .iter()
         .filter(|coupling| coupling.coefficients[2..].iter().any(|c| *c != 0.0))
-        .map(|coupling| format!("`{}`", robot.joints[coupling.joint].name))
+        .map(|coupling| format!("`{}`", visible(&robot.joints[coupling.joint].name)))
         .collect();
     if !bent.is_empty() {
         let text = format!("joints that follow another one by a curve move freely here: {}", listed(&bent));
@@ -46,7 +56,7 @@ pub(super) fn notes(robot: &Robot) -> Vec<Note> {
     if let Some([x, y, z]) = robot.gravity_m_s2
         && (x != 0.0 || y != 0.0 || (z + 9.81).abs() > 0.01)
     {
-        let text = format!("the model file's gravity is {x} {y} {z} m/s²; the arm takes that of the simulation file");
+        let text = format!("the model file's gravity is {x} {y} {z} m/s²; that of the simulation file counts");
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "set `world.gravity_m_s2`, or tilt the base"));
     }
     let mut kinds: Vec<String> =
@@ -55,10 +65,14 @@ pub(super) fn notes(robot: &Robot) -> Vec<Note> {
     kinds.dedup();
     let drives = robot.actuators.len();
     if drives > 0 {
-        kinds.push(format!("{drives} actuators (the recorded torques drive the arm)"));
+        let instead = match driven {
+            Driven::Torques => "the recorded torques drive the joints",
+            Driven::Commands => "the simulation file describes the motors",
+        };
+        kinds.push(format!("{drives} actuators ({instead})"));
     }
     if !kinds.is_empty() {
-        let text = format!("of the model file are left out, without effect on torques: {}", listed(&kinds));
+        let text = format!("left out of the model file, without effect on torques: {}", listed(&kinds));
         notes.push(Note::new(findings::URDF_IGNORED, text, ""));
     }
     notes

@@ -10,11 +10,13 @@ mod left_out;
 
 use std::path::Path;
 
-use tunenet_formats::{Action, Error, Result, read_text};
-use tunenet_models::{Change, Format, Quantity, edit, read_file};
+use tunenet_formats::{Action, Error, Result, read_text, shown_path};
+use tunenet_models::edit::{self, Edited};
+use tunenet_models::{Change, Format, Quantity, Robot};
 
+use self::left_out::Driven;
 use super::Model;
-use super::urdf::{self, JointFriction};
+use super::urdf;
 
 /// Reads the arm that a URDF or an MJCF describes.
 ///
@@ -24,12 +26,25 @@ use super::urdf::{self, JointFriction};
 /// # Errors
 /// As [`urdf::read`]; of an MJCF, what [`tunenet_models::Model::read`] refuses, and a moving body whose mass only a mesh knows.
 pub fn read(path: &Path) -> Result<Model> {
+    described(path, Driven::Torques).map(|(model, _)| model)
+}
+
+/// Reads the robot that a URDF or an MJCF describes, whose joints follow commands; of an MJCF also what it says of their motors.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_driven(path: &Path) -> Result<(Model, Option<Robot>)> {
+    described(path, Driven::Commands)
+}
+
+fn described(path: &Path, driven: Driven) -> Result<(Model, Option<Robot>)> {
     let text = read_text(path)?;
-    if Format::of(&text) == Some(Format::Mjcf) {
-        let model = tunenet_models::Model::read(path).map_err(in_formats)?;
-        return bodies::model(path, model.robot());
+    if Format::of(&text) != Some(Format::Mjcf) {
+        return Ok((urdf::parse(path, &text)?, None));
     }
-    urdf::parse(path, &text)
+    let file = tunenet_models::Model::parse(path, &text).map_err(in_formats)?;
+    let model = bodies::model(path, file.robot(), driven)?;
+    Ok((model, Some(file.robot().clone())))
 }
 
 /// The arm that an MJCF describes, which names no other file.
@@ -38,20 +53,25 @@ pub fn read(path: &Path) -> Result<Model> {
 /// As [`read`].
 pub fn parse_mjcf(path: &Path, text: &str) -> Result<Model> {
     let model = tunenet_models::Model::parse_alone(path, text).map_err(in_formats)?;
-    bodies::model(path, model.robot())
+    bodies::model(path, model.robot(), Driven::Torques)
+}
+
+/// Friction of one joint, as a model file has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointFriction {
+    /// Name of the joint.
+    pub joint: String,
+    /// Viscous friction, N·m·s/rad.
+    pub damping: f64,
+    /// Coulomb friction, N·m.
+    pub friction: f64,
 }
 
 /// The text of the model file at `path` with this friction at its joints, everything else as it stands.
 ///
 /// # Errors
-/// As [`read`] and [`urdf::with_friction`]; [`Error::File`] where the joints stand in another file, which this one includes.
+/// As [`read`] and [`edited`].
 pub fn with_friction(path: &Path, joints: &[JointFriction]) -> Result<String> {
-    let text = read_text(path)?;
-    if Format::of(&text) != Some(Format::Mjcf) {
-        return Ok(urdf::with_friction(&text, joints)?);
-    }
-    let whole = read_file(path).map_err(in_formats)?;
-    let model = tunenet_models::Model::parse(path, &whole).map_err(in_formats)?;
     let change = |joint: &str, quantity, value| Change { joint: joint.to_owned(), quantity, value, interval: None };
     let changes: Vec<Change> = joints
         .iter()
@@ -60,13 +80,25 @@ pub fn with_friction(path: &Path, joints: &[JointFriction]) -> Result<String> {
             [change(&one.joint, viscous, one.damping), change(&one.joint, coulomb, one.friction)]
         })
         .collect();
-    let edited = edit::edit(&model, &changes).map_err(in_formats)?;
+    edited(path, &changes).map(|(text, _)| text)
+}
+
+/// The text of the model file at `path` with these numbers, everything else as it stands; and what became of each change.
+///
+/// # Errors
+/// What [`tunenet_models::Model::read`] and [`edit::edit`] refuse; [`Error::File`] where the joints are in another file, which this one
+/// includes.
+pub fn edited(path: &Path, changes: &[Change]) -> Result<(String, Edited)> {
+    let model = tunenet_models::Model::read(path).map_err(in_formats)?;
+    let mut edited = edit::edit(&model, changes).map_err(in_formats)?;
     if let Some(sentence) = edited.other_files() {
-        let others: Vec<_> = edited.files.iter().skip(1).map(|file| file.path.display().to_string()).collect();
-        let hint = format!("name the file that holds the joints ({}) as the arm's model", others.join(", "));
+        let others: Vec<_> = edited.files.iter().skip(1).map(|file| shown_path(&file.path)).collect();
+        let hint = format!("name the file that holds the joints ({}) as the robot's model", others.join(", "));
         return Err(Error::file(path, format!("expected the joints in this file, but {sentence}"), hint));
     }
-    Ok(edited.files.into_iter().next().map(|file| file.text).unwrap_or(whole))
+    // The named file comes first, and is always there.
+    let text = edited.files.drain(..).next().map(|file| file.text).unwrap_or_default();
+    Ok((text, edited))
 }
 
 /// An error of the readers as one of files.

@@ -4,12 +4,9 @@
 //! that are fixed to one another become one body. Shapes are not needed and never opened, so meshes may be missing. What
 //! is left out stands in [`Model::notes`].
 
-mod friction;
 mod place;
 mod text;
 mod tree;
-
-pub use friction::{JointFriction, with_friction};
 
 use std::path::Path;
 
@@ -18,6 +15,7 @@ use tunenet_core::observation::Note;
 use tunenet_formats::read_text;
 use tunenet_formats::{Error, Result};
 
+use super::inertia::impossible;
 use super::{Coordinate, Inertia, Joint, JointKind, Limits, Model, Pose};
 use crate::findings;
 
@@ -91,7 +89,7 @@ impl File<'_> {
             com_m: Vector3::zeros(),
             about_com_kg_m2: Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz),
         };
-        if let Some((expected, found)) = own.impossible() {
+        if let Some((expected, found)) = impossible(&own) {
             let message = format!("link `{}`: expected {expected}, found {found}", link.name);
             return Err(self.error_at("link", &link.name, message, "no body has such an inertia: correct <inertial>"));
         }
@@ -123,7 +121,7 @@ impl File<'_> {
         }
         let limits = self.limits(joint, kind)?;
         let (damping, friction) = (dynamics.damping, dynamics.friction);
-        let joint = Joint { name: joint.name.clone(), kind, axis, limits, damping, friction };
+        let joint = Joint { name: joint.name.clone(), kind, axis, limits, damping, friction, armature: 0.0 };
         notes.extend(joint.without_limits());
         Ok(joint)
     }
