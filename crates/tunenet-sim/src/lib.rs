@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`simulation_file`] | the one file that describes a simulation |
 //! | [`scene`] | what such a file says, as values |
-//! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
+//! | [`arm`] | arms read from a URDF or an MJCF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
 //! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
@@ -12,6 +12,7 @@
 //! | [`observed_robot`] | the robot joints of a file as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`robot`] | robot joints from commands: drives, friction, rollouts |
+//! | [`robot_changes`] | the numbers of robot joints as changes of their model file |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`formula_effect`] | effects that a user writes as formulas |
@@ -47,6 +48,7 @@ pub mod phase;
 pub mod process;
 pub mod replayed_arm;
 pub mod robot;
+pub mod robot_changes;
 pub mod scene;
 pub mod shot;
 pub mod simulation_file;

@@ -7,7 +7,7 @@ use tunenet_core::observation::{Channel, Note};
 use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValue};
 use tunenet_formats::{Error, Result};
 
-use crate::arm::{JointKind, Model, urdf};
+use crate::arm::{JointKind, Model, model_file};
 use crate::robot::effects::RobotEffect;
 use crate::robot::layout::{Layout, Number, Reading, Role, Start, Wiring};
 use crate::robot::numbers::JointNumbers;
@@ -40,11 +40,6 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let model = model(file)?;
     let order = order(file, &model)?;
     let parameters = file.parameters()?;
-    let roles = parameters.iter().map(|parameter| {
-        // Reading the file refuses other names.
-        let (joint, number) = role(&parameter.name).unwrap_or(("", Number::Zero));
-        Role { joint: order.iter().position(|(name, _)| *name == joint).unwrap_or(0), number }
-    });
     let starts = starts(scene, &order);
     let follows: Vec<bool> = order.iter().map(|(_, joint)| joint.drive == Drive::Position).collect();
     let one_setup = files.len() == 1 && follows.contains(&true);
@@ -53,7 +48,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let looked_for =
         |effect: &RobotEffect| given(effect.name).is_some() || !(one_setup && ONE_SETUP.contains(&effect.name));
     let effects: Vec<RobotEffect> = crate::robot::effects::all().into_iter().filter(looked_for).collect();
-    let roles: Vec<Role> = roles.collect();
+    let roles = roles(&parameters, &order);
     let tuned = |number: Number| {
         let is =
             |(role, parameter): (&Role, &Parameter)| (role.number == number && parameter.tune).then_some(role.joint);
@@ -93,6 +88,16 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     Ok(simulator)
 }
 
+/// Which number of which joint each parameter is.
+pub(crate) fn roles(parameters: &[Parameter], order: &[(&str, &JointScene)]) -> Vec<Role> {
+    let one = |parameter: &Parameter| {
+        // Reading the file refuses other names.
+        let (joint, number) = role(&parameter.name).unwrap_or(("", Number::Zero));
+        Role { joint: order.iter().position(|(name, _)| *name == joint).unwrap_or(0), number }
+    };
+    parameters.iter().map(one).collect()
+}
+
 fn said_of_one_setup() -> Note {
     let text = format!("all recordings have one gain and one load: {} are not looked for", ONE_SETUP.join(", "));
     Note::new(findings::ROBOT_ONE_SETUP, text, "record at another gain and with another load")
@@ -116,8 +121,12 @@ pub fn notes(file: &SimulationFile) -> Result<Vec<Note>> {
 
 /// The chain of the file's joints, all others held.
 fn model(file: &SimulationFile) -> Result<Model> {
-    let path = model_path(file)?;
-    let whole = urdf::read(&path)?;
+    let (whole, _) = model_file::read_driven(&model_path(file)?)?;
+    chain(file, &whole)
+}
+
+/// The same of a model that was read.
+pub(crate) fn chain(file: &SimulationFile, whole: &Model) -> Result<Model> {
     let names: Vec<String> = whole.joints().iter().map(|joint| joint.name.clone()).collect();
     let mut kept = Vec::new();
     for name in file.robot()?.joints.keys() {
@@ -131,14 +140,14 @@ fn model(file: &SimulationFile) -> Result<Model> {
 }
 
 /// The joints of the file in the order of the model.
-fn order<'a>(file: &'a SimulationFile, model: &Model) -> Result<Vec<(&'a str, &'a JointScene)>> {
+pub(crate) fn order<'a>(file: &'a SimulationFile, model: &Model) -> Result<Vec<(&'a str, &'a JointScene)>> {
     let scene = file.robot()?;
     let one = |joint: &&crate::arm::Joint| scene.joints.get_key_value(&joint.name);
     Ok(model.joints().iter().filter_map(one).map(|(name, joint)| (name.as_str(), joint)).collect())
 }
 
 /// One setup.
-fn rig(file: &SimulationFile, model: &Model) -> Result<Rig> {
+pub(crate) fn rig(file: &SimulationFile, model: &Model) -> Result<Rig> {
     let scene = file.robot()?;
     let mut masses = Vec::new();
     for (name, load) in &scene.loads {
@@ -196,6 +205,7 @@ fn numbers(joint: &JointScene, of_model: &crate::arm::Joint) -> JointNumbers {
         supply_v: joint.supply_v,
         viscous: of_model.damping,
         coulomb: of_model.friction,
+        armature: of_model.armature,
         ..JointNumbers::free(joint.drive)
     }
 }

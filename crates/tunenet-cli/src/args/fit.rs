@@ -8,7 +8,7 @@ use tunenet_core::tune::Detail;
 use tunenet_core::{Error, Origin};
 use tunenet_sim::simulation_file::Domain;
 
-use super::{Common, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
+use super::{Common, Models, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
 
 pub const TUNE_EXAMPLES: &str = "\
 Examples:
@@ -21,6 +21,7 @@ Examples:
   tunenet tune --sim process.toml --allow-process swing.csv
   tunenet tune --sim process.toml --allow-process --manifest runs.toml
   tunenet tune --sim process.toml --allow-process swing.csv --checkpoint swing.rollouts
+  tunenet tune --sim robot.toml so101_data --units '*=deg' --out tuned.toml --out-model tuned.xml
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 drop.mcap --model model.safetensors";
 
 pub const DIAGNOSE_EXAMPLES: &str = "\
@@ -31,6 +32,7 @@ Examples:
   tunenet diagnose --sim ball.toml d1.csv d2.csv d3.csv --held-out d4.csv d5.csv --law -o improved.toml
   tunenet diagnose --sim ball.toml 'logs/*.mcap' --each --out-dir answers --jobs 4
   tunenet diagnose --sim process.toml --allow-process swing.csv
+  tunenet diagnose --sim robot.toml so101_data --units '*=deg' --out improved.toml --out-model improved.xml
 Several throws in varied directions separate effects that one throw cannot.
 A manifest lists [[observation]] tables with `file` and, if they differ, `object`, `held_out` and keys of the simulation file.";
 
@@ -84,7 +86,7 @@ pub struct Tune {
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
     /// Fit each recording separately
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["out_model", "out_bam", "out_isaac"])]
     pub each: bool,
     #[command(flatten)]
     pub apart: Apart,
@@ -124,6 +126,8 @@ pub struct Tune {
     /// Write the 95 % intervals as ranges for domain randomisation (JSON)
     #[arg(long, value_name = "RANGES.json", conflicts_with = "each")]
     pub out_ranges: Option<PathBuf>,
+    #[command(flatten)]
+    pub models: Models,
     /// Write an HTML report; its profile likelihoods take further rollouts
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
@@ -163,14 +167,11 @@ pub struct Diagnose {
     /// Log of the same motion without payload (arms only); common errors cancel
     #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
     pub reference: Option<PathBuf>,
-    /// Write the URDF with the estimated joint friction
-    #[arg(long, value_name = "IMPROVED.urdf")]
-    pub out_urdf: Option<PathBuf>,
     /// TOML list of recordings, for several objects or settings
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,
     /// Diagnose each recording separately
-    #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_urdf", "out_ranges", "report"])]
+    #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_model", "out_bam", "out_isaac", "out_ranges", "report"])]
     pub each: bool,
     #[command(flatten)]
     pub apart: Apart,
@@ -191,6 +192,8 @@ pub struct Diagnose {
     /// Write the 95 % intervals as ranges for domain randomisation (JSON)
     #[arg(long, value_name = "RANGES.json")]
     pub out_ranges: Option<PathBuf>,
+    #[command(flatten)]
+    pub models: Models,
     /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,

@@ -3,6 +3,7 @@
 pub mod device;
 pub mod fit;
 pub mod jobs;
+pub mod models;
 pub mod plan;
 pub mod shard;
 pub mod track;
@@ -17,6 +18,7 @@ use tunenet_formats::{Selection, UnitRule};
 pub use device::DeviceChoice;
 pub use fit::{Apart, Diagnose, Tune};
 pub use jobs::{check_threads, jobs, pool};
+pub use models::Models;
 pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;
@@ -137,6 +139,8 @@ Examples:
   tunenet init arm
   tunenet init equations
   tunenet init process
+  tunenet init robot --model so101.xml
+  tunenet init robot --model so101.xml --from so101_data --joints 1=shoulder_pan,2=shoulder_lift
 If release and surface height are not set, they are estimated from each recording.";
 
 const SIMULATE_EXAMPLES: &str = "\
@@ -188,11 +192,11 @@ pub struct Permission {
 }
 
 impl Simulation {
-    /// The URDF that `--set` names instead of the file's own, seen from the file's folder.
+    /// The model of an arm or a robot that `--set` names instead of the file's own, seen from the file's folder.
     pub fn urdf_set(&self) -> Option<PathBuf> {
         let named = |set: &String| {
             let (key, value) = set.split_once('=')?;
-            (key.trim() == "arm.urdf").then(|| value.trim().trim_matches(['"', '\'']).to_owned())
+            matches!(key.trim(), "arm.urdf" | "robot.model").then(|| value.trim().trim_matches(['"', '\'']).to_owned())
         };
         Some(self.sim.parent()?.join(self.set.iter().rev().find_map(named)?))
     }
@@ -294,9 +298,15 @@ pub struct Init {
     /// Simulation file to write [default: ball.toml, arm.toml, process.toml, equations.toml or robot.toml]
     #[arg(short, long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
-    /// Of a robot: its URDF, whose joints the file then has
-    #[arg(long, value_name = "FILE.urdf")]
+    /// Of a robot: its model, a URDF or an MJCF; the file then has its joints, and starts at what an MJCF states of its motors
+    #[arg(long, visible_alias = "model", value_name = "FILE")]
     pub urdf: Option<PathBuf>,
+    /// Of a robot: a LeRobot data set or another recording in episodes; the file then has the joints that are in it
+    #[arg(long, value_name = "FOLDER", requires = "urdf")]
+    pub from: Option<PathBuf>,
+    /// Joints of the model whose columns of `--from` have other names
+    #[arg(long, value_name = "JOINT=COLUMN,…", value_parser = pair, value_delimiter = ',', requires = "from")]
+    pub joints: Vec<(String, String)>,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]

@@ -11,6 +11,7 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod merge;
+mod models;
 pub(crate) mod plan;
 mod refusal;
 mod simulate;

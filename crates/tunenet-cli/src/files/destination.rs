@@ -112,13 +112,14 @@ impl Output {
     }
 }
 
-/// The URDF that a simulation or a task file names, which is read with it.
+/// The model of an arm or a robot that a simulation or a task file names, which is read with it.
 pub fn neighbouring_urdf(input: &Path) -> Option<PathBuf> {
     if input.extension()? != "toml" {
         return None;
     }
     let file: DocumentMut = read_text(input).ok()?.parse().ok()?;
-    Some(input.parent()?.join(file.get("arm")?.get("urdf")?.as_str()?))
+    let named = |table: &str, key: &str| file.get(table)?.get(key)?.as_str();
+    Some(input.parent()?.join(named("arm", "urdf").or(named("robot", "model"))?))
 }
 
 /// The files among the words of the command that a simulation file names: the program, or what its interpreter reads.

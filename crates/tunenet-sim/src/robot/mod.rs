@@ -14,11 +14,12 @@
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `layout` | what parameters, channels and inputs mean |
 //! | `rig` | the chain with its loads |
+//! | `stated_motor` | what an MJCF says of the motors of its joints |
 //! | `examine` | what is wrong with a recording |
 //! | [`effects`] | what a driven joint may have beyond its simulation |
 //! | [`RobotModel`] | all of it as rollouts |
 //!
-//! A joint between the stops of its URDF moves freely; stops are not simulated.
+//! A joint between the stops of its model moves freely; stops are not simulated.
 
 mod chain;
 pub mod effects;
@@ -31,6 +32,7 @@ pub(crate) mod numbers;
 mod one_joint;
 pub(crate) mod rig;
 mod signal;
+mod stated_motor;
 pub(crate) mod trajectory;
 mod two_masses;
 mod wiring;
@@ -39,4 +41,6 @@ mod wiring;
 mod tests;
 
 pub use model::RobotModel;
+pub(crate) use model::driven_joints;
 pub use numbers::Drive;
+pub use stated_motor::{StatedMotor, stated_motors};

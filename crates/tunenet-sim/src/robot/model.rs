@@ -4,7 +4,7 @@ use tunenet_core::Result;
 use tunenet_core::simulator::{Model as Rollouts, Preparation, Prepared, RolloutResult, Run};
 
 use super::imperfect::Imperfect;
-use super::layout::{Layout, Wiring};
+use super::layout::{Layout, Role, Wiring};
 use super::numbers::JointNumbers;
 use super::rig::Rig;
 use super::trajectory::{Quantity, Readout, Trajectory};
@@ -24,39 +24,6 @@ pub struct RobotModel {
 impl RobotModel {
     pub(crate) fn new(rigs: Vec<Rig>, layout: Layout) -> Self {
         Self { rigs, layout }
-    }
-
-    /// The joints of a setup with these parameters and effects.
-    fn joints(&self, rig: &Rig, parameters: &[f64], imperfect: &Imperfect) -> Vec<JointNumbers> {
-        let mut joints = rig.joints.clone();
-        for (role, value) in self.layout.roles.iter().zip(parameters) {
-            *role.number.of(&mut joints[role.joint]) = *value;
-        }
-        let arm = &imperfect.arm;
-        for (j, (joint, drive)) in joints.iter_mut().zip(&imperfect.drives).enumerate() {
-            joint.viscous += arm.viscous_nms_rad[j];
-            joint.coulomb += arm.coulomb_nm[j];
-            joint.armature += arm.armature_kg_m2[j];
-            joint.zero += arm.offset_rad[j];
-            joint.spring += arm.spring_nm_rad[j];
-            joint.compliance += arm.elasticity_rad_nm[j];
-            joint.stribeck += arm.stribeck_nm[j];
-            joint.stribeck_speed = arm.stribeck_rad_s[j];
-            joint.gap += drive.gap_rad;
-            joint.inverse_speed += drive.inverse_speed_s_rad;
-            joint.command_delay_s += drive.command_delay_s;
-            joint.release_delay_s += drive.release_delay_s;
-            joint.load_friction += drive.load_friction;
-            joint.directional += drive.directional_nm;
-            joint.quadratic += drive.quadratic_nms2_rad2;
-            joint.dead_band += drive.dead_band_rad;
-            joint.duty_max *= drive.duty_fraction;
-            joint.kp *= drive.gain_factor;
-            joint.kd += drive.kd;
-            joint.sag_ohm += drive.sag_ohm;
-            joint.release_braking += drive.release_braking_nms_rad;
-        }
-        joints
     }
 
     fn imperfect(&self, joints: usize, coefficients: &[f64]) -> Imperfect {
@@ -85,6 +52,44 @@ impl RobotModel {
     }
 }
 
+/// The joints of a setup with these parameters and effects.
+pub(crate) fn driven_joints(
+    joints: &[JointNumbers],
+    roles: &[Role],
+    parameters: &[f64],
+    imperfect: &Imperfect,
+) -> Vec<JointNumbers> {
+    let mut joints = joints.to_vec();
+    for (role, value) in roles.iter().zip(parameters) {
+        *role.number.of(&mut joints[role.joint]) = *value;
+    }
+    let arm = &imperfect.arm;
+    for (j, (joint, drive)) in joints.iter_mut().zip(&imperfect.drives).enumerate() {
+        joint.viscous += arm.viscous_nms_rad[j];
+        joint.coulomb += arm.coulomb_nm[j];
+        joint.armature += arm.armature_kg_m2[j];
+        joint.zero += arm.offset_rad[j];
+        joint.spring += arm.spring_nm_rad[j];
+        joint.compliance += arm.elasticity_rad_nm[j];
+        joint.stribeck += arm.stribeck_nm[j];
+        joint.stribeck_speed = arm.stribeck_rad_s[j];
+        joint.gap += drive.gap_rad;
+        joint.inverse_speed += drive.inverse_speed_s_rad;
+        joint.command_delay_s += drive.command_delay_s;
+        joint.release_delay_s += drive.release_delay_s;
+        joint.load_friction += drive.load_friction;
+        joint.directional += drive.directional_nm;
+        joint.quadratic += drive.quadratic_nms2_rad2;
+        joint.dead_band += drive.dead_band_rad;
+        joint.duty_max *= drive.duty_fraction;
+        joint.kp *= drive.gain_factor;
+        joint.kd += drive.kd;
+        joint.sag_ohm += drive.sag_ohm;
+        joint.release_braking += drive.release_braking_nms_rad;
+    }
+    joints
+}
+
 impl Rollouts for RobotModel {
     fn has_own_measurement(&self) -> bool {
         true
@@ -98,7 +103,7 @@ impl Rollouts for RobotModel {
         let setup = run.recording.setup;
         let rig = self.rigs.get(setup).ok_or_else(|| format!("no robot for setup {setup}"))?;
         let imperfect = self.imperfect(rig.joints.len(), run.coefficients);
-        let joints = self.joints(rig, run.parameters, &imperfect);
+        let joints = driven_joints(&rig.joints, &self.layout.roles, run.parameters, &imperfect);
         let (mut q, mut w) = (vec![0.0; joints.len()], vec![0.0; joints.len()]);
         for (start, value) in self.layout.starts.iter().zip(run.start) {
             let list = if start.speed { &mut w } else { &mut q };

@@ -50,7 +50,7 @@ impl RobotScene {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotBody {
-    /// Its URDF, from the folder of the file.
+    /// Its URDF or MJCF, from the folder of the file.
     pub model: PathBuf,
     /// Turn of the base about x, then about y of the world, rad.
     #[serde(default)]

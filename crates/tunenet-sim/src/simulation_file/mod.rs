@@ -19,6 +19,7 @@ mod program_folder;
 mod robot_effects;
 mod robot_keys;
 pub(crate) mod robot_schema;
+mod robot_template;
 pub mod schema;
 mod template;
 
@@ -42,7 +43,8 @@ pub use equations_keys::{
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use robot_effects::PresentRobotEffect;
 pub use robot_keys::{ROBOT_EFFECT_KEYS, ROBOT_KEYS, ROBOT_TABLES};
-pub use template::{robot_template, template};
+pub use robot_template::{JointColumns, RobotStart, position_channel, robot_template};
+pub use template::template;
 
 use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, RobotScene, Scene};
 pub use schema::Definition;

@@ -13,7 +13,7 @@ const TEXT: Shape = Shape::Word(&[]);
 /// The keys of a file of robot joints besides the tables that it names itself, its effects, its parameters and its provenance.
 pub const ROBOT_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["robot"]), true, "what is simulated: robot joints that follow commands"),
-    key("robot.model", TEXT, true, "the robot's URDF, from the folder of this file"),
+    key("robot.model", TEXT, true, "the robot's model, a URDF or an MJCF, from the folder of this file"),
     key(
         "robot.base_tilt_rad",
         Shape::Numbers(2, -3.2, 3.2),

@@ -3,11 +3,8 @@
 use std::fmt::Write as _;
 
 use super::domain::Domain;
-use tunenet_core::observation::plain;
-
-use super::schema::{Definition, Key, PARAMETER_KEYS, Shape, is_name};
+use super::schema::{Definition, Key, PARAMETER_KEYS, Shape};
 use super::{equations_schema, process_schema, robot_schema};
-use crate::arm::{Joint, JointKind, Model};
 
 /// What stands above everything else.
 const BALL_HEAD: &str = "\
@@ -65,7 +62,8 @@ const EQUATIONS_HEAD: &str = "\
 ";
 
 const ROBOT_HEAD: &str = "\
-# Robot joints that follow commands: a motor with its firmware, a gear with friction, links and loads of a URDF.
+# Robot joints that follow commands: a motor with its firmware, a gear with friction, links and loads of a
+# model file (URDF or MJCF).
 #
 #   tunenet simulate --sim robot.toml --inputs commands.csv --out swing.csv
 #   tunenet tune --sim robot.toml swing.csv --out tuned.toml
@@ -195,52 +193,13 @@ pub fn template(domain: Domain) -> String {
     let own = if domain == Domain::Robot { ROBOT } else { EQUATIONS };
     let mut text = keys(domain, own);
     for known in samples(domain) {
-        parameter(&mut text, (known.name, known.default), known);
+        parameter(&mut text, (known.name, known.default, known.tune), known);
     }
     text
 }
-
-/// The same for the robot of `model`, whose file is at `path` as seen from the simulation file: every joint with its own commands and
-/// parameters. Joints whose names are no keys are left out, and so held.
-#[must_use]
-pub fn robot_template(path: &str, model: &Model) -> String {
-    let mut own = String::from(SWITCH);
-    let joints = model.joints();
-    let named: Vec<&Joint> = joints.into_iter().filter(|joint| is_name(&joint.name)).collect();
-    for joint in &named {
-        let (name, low) = (&joint.name, plain(&joint.name));
-        let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
-        own.push_str(&line(&format!("\n[inputs.{low}_goal_{unit}]")));
-        own.push_str(&line(&format!("\n[joints.{name}]")));
-        own.push_str(&line(&format!("drive = \"position\"\ncommand = \"{low}_goal_{unit}\"\nenable = \"torque_on\"")));
-        own.push_str(&line(&format!("observe = [\"{low}_{unit}\"]\nkp = 16.0\ngain_1_rad = 0.166")));
-    }
-    let mut text = keys(Domain::Robot, &own).replacen("\"arm.urdf\"", &format!("{path:?}"), 1);
-    for joint in &named {
-        for known in robot_schema::SAMPLES {
-            let number = known.name.rsplit_once(robot_schema::BETWEEN).map_or(known.name, |(_, number)| number);
-            let [value, min, max] = known.default;
-            let limited = joint.limits.effort.is_finite() && number == "stall_torque";
-            let default = if limited {
-                [joint.limits.effort, 0.1 * joint.limits.effort, 10.0 * joint.limits.effort]
-            } else {
-                [value, min, max]
-            };
-            parameter(&mut text, (&format!("{}{}{number}", joint.name, robot_schema::BETWEEN), default), known);
-        }
-    }
-    text
-}
-
-/// The input that switches all motors.
-const SWITCH: &str = "
-[inputs.torque_on]
-# Whether motors are on: 0 releases them.
-default = 1.0
-";
 
 /// A template without its parameters; `own` are the tables that a file of this kind names itself.
-fn keys(domain: Domain, own: &str) -> String {
+pub(super) fn keys(domain: Domain, own: &str) -> String {
     let head = match domain {
         Domain::Ball => BALL_HEAD,
         Domain::Arm => ARM_HEAD,
@@ -312,7 +271,12 @@ fn samples(domain: Domain) -> &'static [Definition] {
     }
 }
 
-fn parameter(text: &mut String, (name, [value, min, max]): (&str, [f64; 3]), known: &Definition) {
+/// The table of a parameter; `tune` says whether it is tuned.
+pub(super) fn parameter(
+    text: &mut String,
+    (name, [value, min, max], tune): (&str, [f64; 3], bool),
+    known: &Definition,
+) {
     text.push_str(&line(&format!("\n[parameters.{name}]")));
     text.push_str(&line(&format!("# {}.", known.meaning)));
     for key in PARAMETER_KEYS {
@@ -321,7 +285,7 @@ fn parameter(text: &mut String, (name, [value, min, max]): (&str, [f64; 3]), kno
             "min" => format!("{min:?}"),
             "max" => format!("{max:?}"),
             "unit" => format!("\"{}\"", known.unit),
-            "tune" => known.tune.to_string(),
+            "tune" => tune.to_string(),
             other => value_of(key.shape, other),
         };
         // Writing to a string cannot fail.
@@ -329,7 +293,7 @@ fn parameter(text: &mut String, (name, [value, min, max]): (&str, [f64; 3]), kno
     }
 }
 
-fn line(text: &str) -> String {
+pub(super) fn line(text: &str) -> String {
     format!("{text}\n")
 }
 

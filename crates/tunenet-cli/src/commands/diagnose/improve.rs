@@ -1,19 +1,16 @@
-//! Writes the improved simulation file, and the URDF with the friction that was found.
+//! Writes the improved simulation file, and models with its numbers.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::simulator::Simulator;
-use tunenet_core::{Error, Origin};
 use tunenet_formats::write_atomically;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::arm::model_file::with_friction;
-use tunenet_sim::observed_arm::urdf_path;
-use tunenet_sim::replayed_arm::{ReplayedArm, replays};
+use tunenet_sim::simulation_file::Domain;
 
-use crate::answers::diagnose::Answer;
+use crate::answers::diagnose::{Answer, value_of};
 use crate::answers::improved::{UNFITTED, Written, improved, why_not};
 use crate::args::Diagnose;
+use crate::commands::models::{self, Intervals};
 use crate::view::json::ranges;
 use crate::view::toml::diagnose::provenance;
 use crate::view::toml::law::provenance as law_provenance;
@@ -57,21 +54,31 @@ pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option
     Ok(Some(out))
 }
 
-/// Writes the URDF of the first object with the friction that was found in it; the path, where there was some.
-pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>> {
-    let Some(out) = &options.out_urdf else { return Ok(None) };
-    let file = &answer.loaded.objects[0].file;
-    if !replays(file) {
-        let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
-        return Err(Error::Setting { origin: Origin::Flag, name: "--out-urdf", expected, found }.into());
+/// Writes the models that were asked for, where there is an answer; of an arm, where friction was found.
+pub fn write_models(options: &Diagnose, answer: &Answer) -> Result<()> {
+    let named = |name: &str| answer.diagnosis.effects().iter().any(|one| one.effect.name.ends_with(name));
+    let arm = answer.loaded.objects[0].file.domain() == Domain::Arm;
+    if !options.models.asked() || why_not(answer).is_some() || arm && !named("_friction") {
+        return Ok(());
     }
-    let found = answer.diagnosis.effects().iter().any(|e| e.effect.name.ends_with("_friction"));
-    if why_not(answer).is_some() || !found {
-        return Ok(None);
+    models::write(&options.models, &improved(answer, 0)?, &intervals(answer))
+}
+
+/// The 95 % intervals of the first object's parameters and effects.
+fn intervals(answer: &Answer) -> Intervals {
+    let ends = |(low, high): (f64, f64)| [low, high];
+    let tuned = answer.parameters();
+    let parameters = tuned.iter().filter(|p| p.object == 0).map(|p| (p.name.clone(), ends(p.interval95)));
+    let mut all: Intervals = parameters.collect();
+    for named in answer.effects_of(0) {
+        for (i, coefficient) in named.coefficients.iter().enumerate() {
+            // Which number under its key it is: that of a joint.
+            let number = 1 + named.coefficients[..i].iter().filter(|other| other.key == coefficient.key).count();
+            if let Some(value) = value_of(coefficient, 0) {
+                let name = format!("{}.{}.{number}", named.effect.name, coefficient.key);
+                all.insert(name, ends(value.interval95));
+            }
+        }
     }
-    let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;
-    let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
-    let text = with_friction(&urdf_path(file)?, &arm.friction(&values))?;
-    write_atomically(out, |out| out.write_all(text.as_bytes()))?;
-    Ok(Some(out.clone()))
+    all
 }

@@ -19,6 +19,7 @@ use serde_json::json;
 use tunenet_sim::SimulationFile;
 
 use super::each::{Answered, Work};
+use super::models;
 use crate::answers::diagnose::Answer;
 use crate::answers::improved::edits;
 use crate::args::{Diagnose, pool};
@@ -39,6 +40,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let sources = sources::sources(options)?;
     outputs::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
+    models::check(&options.models, &loaded.objects[0].file, loaded.objects.len())?;
     text::read(&loaded);
     let began = Instant::now();
     let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
@@ -46,9 +48,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let law = law::search_law(options, &loaded, &diagnosis)?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
     let wrote = improve::write(options, &answer)?;
-    if let Some(path) = improve::write_urdf(options, &answer)? {
-        stage("urdf", &path.display().to_string());
-    }
+    improve::write_models(options, &answer)?;
     if let Some(path) = improve::write_ranges(options, &answer)? {
         stage("ranges", &path.display().to_string());
     }

@@ -8,7 +8,7 @@ use tunenet_core::Origin;
 use tunenet_formats::{Action, Error};
 
 use crate::args::Diagnose;
-use crate::commands::load;
+use crate::commands::{load, models};
 use crate::files::destination::{self, Output, Product};
 use crate::files::manifest::Source;
 use crate::files::names;
@@ -24,8 +24,7 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
         None => {}
     }
-    options.out_urdf.iter().try_for_each(|out| names::require_ending(out, "--out-urdf", &["urdf", "xml", "xacro"]))?;
-    outputs.extend(options.out_urdf.iter().map(|out| Output::new(out, "--out-urdf", Product::Unmarked)));
+    outputs.extend(models::outputs(&options.models)?);
     outputs.extend(options.out_ranges.iter().map(|out| Output::new(out, "--out-ranges", Product::Answer)));
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);

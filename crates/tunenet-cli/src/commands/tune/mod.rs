@@ -36,9 +36,9 @@ use tunenet_sim::Session;
 pub use self::manifest::entries;
 use self::paths::{inputs, outputs, provenance};
 use self::read::read;
-use self::written::{write_ranges, write_tuned};
+use self::written::{check, write_others, write_tuned};
 use super::load::{self, Setups};
-use super::{start, video::TrackFailure};
+use super::video::TrackFailure;
 use crate::answers::tune::{Fitted, Spent};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
@@ -54,9 +54,9 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let urdf = options.simulation.urdf_set();
     let named = inputs(options);
     let inputs: Vec<&Path> = named.iter().map(PathBuf::as_path).chain(urdf.as_deref()).collect();
-    destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
+    destination::check(&outputs(options)?, &inputs, options.writing.overwrite)?;
     let (file, session) = load::simulation_with(&options.simulation, options.permission)?;
-    start::check(options, &file)?;
+    check(options, &file)?;
     let model = options.model.as_ref().map(load_model).transpose()?;
     let entries = entries(options)?;
     if options.each {
@@ -82,7 +82,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     render_start(&options.observation, &outcome, &chosen);
     let names: Vec<String> = options.observation.iter().map(|path| names::file_name(path)).collect();
     printout(&outcome, &names).show(options.common.json, || json::object(&outcome, &names, &chosen, spent))?;
-    write_ranges(options, &outcome)?;
+    write_others(options, &setups, &outcome)?;
     render_end(options.out.as_deref(), options.common.seed, &outcome, spent);
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Result;
+
 use super::manifest::entries;
 use crate::args::Tune;
-use crate::commands::load;
+use crate::commands::{load, models};
 use crate::files::destination::{Output, Product};
 use crate::files::manifest::Source;
 use crate::view::html;
@@ -34,12 +36,13 @@ pub fn input_files(options: &Tune) -> Vec<Vec<PathBuf>> {
 }
 
 /// What is written.
-pub fn outputs(options: &Tune) -> Vec<Output> {
+pub fn outputs(options: &Tune) -> Result<Vec<Output>> {
     let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Simulation));
     let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
     let kept = options.checkpoint.iter().map(|kept| Output::new(kept, "--checkpoint", Product::Rollouts));
     let ranges = options.out_ranges.iter().map(|ranges| Output::new(ranges, "--out-ranges", Product::Answer));
-    out.chain(report).chain(kept).chain(ranges).collect()
+    let models = models::outputs(&options.models)?;
+    Ok(out.chain(report).chain(kept).chain(ranges).chain(models).collect())
 }
 
 /// What a report says of its origin.

@@ -6,15 +6,23 @@ use anyhow::Result;
 use toml_edit::{Array, InlineTable};
 use tunenet_core::tune::{Outcome, Verdict};
 use tunenet_formats::{Recording, write_atomically};
+use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
 use crate::answers::tune::is_written;
 use crate::args::Tune;
 use crate::commands::load::{self, Setups};
+use crate::commands::{models, start};
 use crate::files::hash;
 use crate::view::json::ranges;
 use crate::view::text::stage;
 use crate::view::toml::tune::{Inputs, provenance};
+
+/// Refuses, before anything is read, what cannot be tuned, and models that the simulation does not have.
+pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
+    start::check(options, file)?;
+    models::check(&options.models, file, 1)
+}
 
 /// Writes the tuned file; `out` never holds half of one.
 pub fn write_tuned(
@@ -26,6 +34,20 @@ pub fn write_tuned(
 ) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let file = setups.common();
+    let mut tuned = tuned(file, outcome)?;
+    let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups, i));
+    let observations = observations.collect::<Result<Array>>()?;
+    let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
+    let inputs = Inputs { seed: options.common.seed, observations, reference };
+    let made = provenance(inputs, (file, &tuned), (recordings, outcome), gap)?;
+    tuned.set_provenance(made.entries());
+    tuned.move_program(out);
+    write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
+    Ok(())
+}
+
+/// The file with the tuned values.
+fn tuned(file: &SimulationFile, outcome: &Outcome) -> Result<SimulationFile> {
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
     for p in &outcome.parameters {
@@ -38,19 +60,27 @@ pub fn write_tuned(
             _ => tuned.set_value(&p.name, p.value),
         }
     }
-    let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups, i));
-    let observations = observations.collect::<Result<Array>>()?;
-    let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
-    let inputs = Inputs { seed: options.common.seed, observations, reference };
-    let made = provenance(inputs, (file, &tuned), (recordings, outcome), gap)?;
-    tuned.set_provenance(made.entries());
-    tuned.move_program(out);
-    write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
-    Ok(())
+    Ok(tuned)
+}
+
+/// Writes the models that were asked for, where there is an answer.
+fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()> {
+    if !options.models.asked() || !is_written(outcome) {
+        return Ok(());
+    }
+    let known = outcome.parameters.iter().filter(|p| p.identified);
+    let intervals = known.map(|p| (p.name.clone(), [p.interval95.0, p.interval95.1])).collect();
+    models::write(&options.models, &tuned(setups.common(), outcome)?, &intervals)
+}
+
+/// Writes what was asked for besides the simulation file: intervals and models.
+pub fn write_others(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()> {
+    write_ranges(options, outcome)?;
+    write_models(options, setups, outcome)
 }
 
 /// Writes the intervals of the tuned parameters, where they were asked for; those of a poor fit are none to draw from.
-pub fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
+fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
     let Some(out) = options.out_ranges.as_deref().filter(|_| outcome.verdict == Verdict::Tuned) else {
         return Ok(());
     };

@@ -170,7 +170,7 @@ impl RobotEffect {
     }
 
     /// Adds it to what a robot has, the numbers of all joints of the first coefficient first.
-    pub(super) fn apply(&self, robot: &mut Imperfect, values: &[f64]) {
+    pub(crate) fn apply(&self, robot: &mut Imperfect, values: &[f64]) {
         match self.act {
             Act::Robot(act) => act(robot, values),
             Act::Arm(act) => act(&mut robot.arm, values),

@@ -1,37 +1,38 @@
 //! `tunenet init`.
 
+mod columns;
+mod robot;
+
 use std::path::Path;
 
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Origin;
 use tunenet_formats::{shell_word, shown_path, write_atomically};
-use tunenet_sim::simulation_file::{Domain, robot_template, template};
+use tunenet_sim::simulation_file::{Domain, template};
 
+use self::robot::Started;
 use crate::args::{Init, Scene};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;
+use crate::view::json::warning;
 use crate::view::text::stage;
 
 /// The program that the simulation file of a program names.
-const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/driven_pendulum.py"));
+const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../../assets/process/driven_pendulum.py"));
 
-/// What is written: of a robot whose URDF is given, its own joints.
-fn text(options: &Init, domain: Domain, out: &Path) -> Result<String> {
-    let Some(urdf) = &options.urdf else { return Ok(template(domain)) };
+/// What is written: of a robot whose model is given, its own joints.
+fn started(options: &Init, domain: Domain, out: &Path) -> Result<Started> {
+    let Some(urdf) = &options.urdf else {
+        return Ok(Started { text: template(domain), recording: None, notes: Vec::new() });
+    };
     if domain != Domain::Robot {
         let (expected, found) = ("`--urdf` with `init robot` only".into(), format!("`init {}`", domain.name()));
         return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--urdf", expected, found }.into());
     }
-    let model = tunenet_sim::arm::urdf::read(urdf)?;
-    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
-    // Next to the file its name does; else its whole path.
-    let near = folder(out) == folder(urdf);
-    let place =
-        if near { urdf.file_name().map_or_else(|| urdf.clone(), Into::into) } else { std::path::absolute(urdf)? };
-    Ok(robot_template(&place.to_string_lossy(), &model))
+    robot::started(options, urdf, out)
 }
 
 pub fn run(options: &Init) -> Result<Exit> {
@@ -44,7 +45,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         ),
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
         Scene::Equations => (Domain::Equations, "equations.toml", "write your equations into it"),
-        Scene::Robot => (Domain::Robot, "robot.toml", "write the gains of your joints into it, and your loads"),
+        Scene::Robot => (Domain::Robot, "robot.toml", "set the gains of your joints and your loads in it"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     names::require_ending(&out, "--out", &["toml"])?;
@@ -54,7 +55,7 @@ pub fn run(options: &Init) -> Result<Exit> {
     let outputs =
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
-    let text = text(options, domain, &out)?;
+    let Started { text, recording, notes } = started(options, domain, &out)?;
     write_atomically(&out, |file| file.write_all(text.as_bytes()))?;
     stage("wrote", &shown_path(&out));
     if let Some(program) = program {
@@ -63,9 +64,21 @@ pub fn run(options: &Init) -> Result<Exit> {
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     let path = shell_word(&out.to_string_lossy());
-    stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`"));
-    Printout::default().show(options.common.json, || {
-        let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });
+    match &recording {
+        Some(recording) => stage(
+            "next",
+            &format!(
+                "check units against the robot's documents, and the gains, then \
+                 `tunenet diagnose --sim {path} {recording} --out improved.toml`"
+            ),
+        ),
+        None => stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`")),
+    }
+    let mut shown = Printout::default();
+    shown.warn_all(&notes);
+    shown.show(options.common.json, || {
+        let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out),
+            "warnings": notes.iter().map(warning).collect::<Vec<_>>() });
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();
         }

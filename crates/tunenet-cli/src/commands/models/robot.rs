@@ -1,0 +1,101 @@
+//! The models of a robot.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+use tunenet_core::text::visible;
+use tunenet_formats::shown_path;
+use tunenet_models::edit::Left;
+use tunenet_models::export::{BamServo, Whole, bam, isaac_lab, sidecar};
+use tunenet_models::{Change, Quantity};
+use tunenet_sim::SimulationFile;
+use tunenet_sim::arm::model_file::edited;
+use tunenet_sim::observed_robot::model_path;
+use tunenet_sim::robot_changes::{Intervals, RobotChanges, robot_changes};
+
+use super::put;
+use crate::args::Models;
+use crate::view::text::stage;
+
+/// Writes the models of a robot with the numbers of its simulation.
+///
+/// # Errors
+/// As [`super::write`].
+pub fn write(options: &Models, file: &SimulationFile, intervals: Intervals) -> Result<()> {
+    let found = robot_changes(file, intervals)?;
+    if let Some(out) = &options.out_model {
+        write_model(out, options, file, &found)?;
+    }
+    if let Some(out) = &options.out_bam {
+        let actuator = options.bam_actuator.clone().unwrap_or_default();
+        put(out, &format!("{:#}\n", of_servos(&found, &actuator)))?;
+        stage("bam", &shown_path(out));
+    }
+    if let Some(out) = &options.out_isaac {
+        put(out, &isaac_lab(&of_model(&found), options.isaac_step))?;
+        stage("isaac", &shown_path(out));
+    }
+    Ok(())
+}
+
+/// The numbers that formats of models know: they have the stall torque as the limit of the torque.
+fn of_model(found: &RobotChanges) -> Vec<Change> {
+    found.changes.iter().filter(|change| change.quantity != Quantity::StallTorque).cloned().collect()
+}
+
+fn write_model(out: &Path, options: &Models, file: &SimulationFile, found: &RobotChanges) -> Result<()> {
+    let model = model_path(file)?;
+    let (text, done) = edited(&model, &of_model(found))?;
+    put(out, &text)?;
+    stage("model", &shown_path(out));
+    let left: Vec<Left> = found.left.iter().chain(&done.left).cloned().collect();
+    let rest = sidecar(out, &left, &found.whole);
+    if let Some(path) = options.sidecar().filter(|_| !rest.is_empty()) {
+        put(&path, &rest)?;
+        stage("effects", &format!("{}: the model cannot express {}", shown_path(&path), listed(&left, &found.whole)));
+    }
+    for note in &done.notes {
+        stage("note", note);
+    }
+    if !file.robot()?.loads.is_empty() {
+        stage("note", "loads of the simulation file are not in the model");
+    }
+    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
+    if folder(out) != folder(&model) {
+        let text = "the copy is in another folder than the model: meshes and other files that it names are looked for from there";
+        stage("note", text);
+    }
+    Ok(())
+}
+
+/// `speed_limit` of `elbow`, `wrist`; `time_delay`.
+fn listed(left: &[Left], whole: &[Whole]) -> String {
+    let mut quantities: Vec<(&str, Vec<String>)> = Vec::new();
+    for one in left {
+        let (name, joint) = (one.change.quantity.name(), format!("`{}`", visible(&one.change.joint)));
+        match quantities.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, joints)) => joints.push(joint),
+            None => quantities.push((name, vec![joint])),
+        }
+    }
+    let of_joints = quantities.iter().map(|(name, joints)| format!("{name} of {}", joints.join(", ")));
+    of_joints.chain(whole.iter().map(|one| one.effect.clone())).collect::<Vec<_>>().join("; ")
+}
+
+/// The parameters of BAM: of a single servo its own object, of several one for each joint.
+fn of_servos(found: &RobotChanges, actuator: &str) -> Value {
+    let one = |joint: &str, servo: &BamServo| {
+        bam(joint, &found.changes, &BamServo { actuator: actuator.to_owned(), ..servo.clone() }).json
+    };
+    match found.servos.as_slice() {
+        [(joint, servo)] => one(joint, servo),
+        several => {
+            let mut all = json!({});
+            for (joint, servo) in several {
+                all[joint.as_str()] = one(joint, servo);
+            }
+            all
+        }
+    }
+}

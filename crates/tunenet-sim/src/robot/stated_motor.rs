@@ -1,0 +1,141 @@
+//! What an MJCF says of the motors of its joints, as numbers of a simulation file.
+//!
+//! Source of the map: a servo's torque is A·clip(c·kp·e − kd·w, ±1) − B·w, and the position actuator of MuJoCo makes
+//! clip(kp'·e − kv'·w, ±F): F = A, kp' = A·c·kp, kv' = A·kd. The braking B is outside the limit, and so part of the joint's damping.
+
+use tunenet_models::{Joint, Law, Motion, Robot, Target};
+
+use super::numbers::Drive;
+
+/// The motor of a joint, of which the model states at least something. SI units; of a sliding joint N for N·m and m for rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedMotor {
+    /// Name of the joint.
+    pub joint: String,
+    /// What its commands mean.
+    pub drive: Drive,
+    /// Duty for each rad (of a velocity drive, rad/s) of error: `gain_1_rad` where the gain of the firmware is 1. `None` of a torque
+    /// drive, and where the model has no such actuator.
+    pub gain: Option<f64>,
+    /// Duty for each rad/s within the firmware.
+    pub kd: f64,
+    /// Torque at full duty and rest, N·m; `None` where the model does not limit it.
+    pub stall_torque: Option<f64>,
+    /// Least and greatest command, in the unit of the joint; `None` where it is not limited.
+    pub command_range: Option<[f64; 2]>,
+    /// Viscous friction with the braking by the motor, N·m·s/rad.
+    pub damping: f64,
+    /// Coulomb friction, N·m.
+    pub friction: f64,
+    /// Inertia of the rotor behind the gear, kg·m².
+    pub armature: f64,
+}
+
+/// The motors of all hinges and slides.
+#[must_use]
+pub fn stated_motors(robot: &Robot) -> Vec<StatedMotor> {
+    let scalar = |joint: &Joint| matches!(joint.motion, Motion::Revolute | Motion::Prismatic);
+    let joints = robot.joints.iter().enumerate().filter(|(_, joint)| scalar(joint));
+    joints.map(|(index, joint)| motor(robot, index, joint)).collect()
+}
+
+fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
+    let mut own = robot.actuators.iter().filter(|actuator| actuator.target == Target::Joint(index));
+    // Several actuators of one joint are no single motor.
+    let actuator = match (own.next(), own.next()) {
+        (Some(only), None) if only.gear != 0.0 => Some(only),
+        _ => None,
+    };
+    let mut motor = StatedMotor {
+        joint: joint.name.clone(),
+        drive: Drive::Position,
+        gain: None,
+        kd: 0.0,
+        stall_torque: joint.effort_range.map(largest).filter(|torque| *torque > 0.0),
+        command_range: None,
+        damping: joint.damping,
+        friction: joint.friction,
+        armature: joint.armature,
+    };
+    let Some(actuator) = actuator else { return motor };
+    let gear = actuator.gear;
+    let limit = actuator.force_range.map(|range| largest(range) * gear.abs()).filter(|torque| *torque > 0.0);
+    motor.stall_torque = match (motor.stall_torque, limit) {
+        (Some(of_joint), Some(own)) => Some(of_joint.min(own)),
+        (of_joint, own) => of_joint.or(own),
+    };
+    let Law::Affine { gain, bias: [constant, by_length, by_speed] } = actuator.law else { return motor };
+    if let Some([kp, kv]) = actuator.position_gains() {
+        // Without a limit, an error of 1 rad asks for full duty.
+        let stall = *motor.stall_torque.get_or_insert(kp * gear * gear);
+        motor.gain = Some(kp * gear * gear / stall);
+        motor.kd = kv * gear * gear / stall;
+        motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
+    } else if gain > 0.0 && by_speed == -gain && (constant, by_length) == (0.0, 0.0) {
+        motor.drive = Drive::Velocity;
+        let stall = *motor.stall_torque.get_or_insert(gain * gear * gear);
+        motor.gain = Some(gain * gear * gear / stall);
+        motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
+    } else if gain != 0.0 && (constant, by_length, by_speed) == (0.0, 0.0, 0.0) {
+        motor.drive = Drive::Torque;
+        let torques = actuator.command_range.map(|range| ordered(range.map(|end| end * gain * gear)));
+        motor.stall_torque = motor.stall_torque.or(torques.map(largest));
+        motor.command_range = torques;
+    }
+    motor
+}
+
+fn largest([lower, upper]: [f64; 2]) -> f64 {
+    lower.abs().max(upper.abs())
+}
+
+fn ordered([one, other]: [f64; 2]) -> [f64; 2] {
+    [one.min(other), one.max(other)]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn motors(actuators: &str) -> Vec<StatedMotor> {
+        let text = format!(
+            "<mujoco><compiler angle='radian'/><worldbody><body><joint name='a' damping='0.6' frictionloss='0.05' armature='0.03'/>\
+             <geom size='0.1'/><body><joint name='b' actuatorfrcrange='-2 2'/><geom size='0.1'/></body></body></worldbody>\
+             <actuator>{actuators}</actuator></mujoco>"
+        );
+        let model = tunenet_models::Model::parse_alone(Path::new("m.xml"), &text).unwrap();
+        stated_motors(model.robot())
+    }
+
+    #[test]
+    fn a_position_actuator_is_a_servo() {
+        let all = motors("<position joint='a' kp='18' kv='1.5' forcerange='-3 3' ctrlrange='-1 2'/>");
+        let one = &all[0];
+        assert_eq!((one.drive, one.gain, one.kd, one.stall_torque), (Drive::Position, Some(6.0), 0.5, Some(3.0)));
+        assert_eq!((one.command_range, one.damping, one.friction, one.armature), (Some([-1.0, 2.0]), 0.6, 0.05, 0.03));
+        assert_eq!((all[1].gain, all[1].stall_torque), (None, Some(2.0)));
+    }
+
+    #[test]
+    fn gears_count_and_what_is_unlimited_saturates_at_one_radian() {
+        let all = motors(
+            "<position joint='a' kp='2' gear='-3' ctrlrange='-1 2'/><position joint='b' kp='10' forcerange='-5 5'/>",
+        );
+        assert_eq!((all[0].gain, all[0].stall_torque), (Some(1.0), Some(18.0)));
+        assert_eq!(all[0].command_range, Some([-2.0 / 3.0, 1.0 / 3.0]));
+        // The lesser of both limits.
+        assert_eq!((all[1].gain, all[1].stall_torque), (Some(5.0), Some(2.0)));
+    }
+
+    #[test]
+    fn velocity_and_torque_drives_are_distinguished() {
+        let all = motors("<velocity joint='a' kv='4' forcerange='-2 2'/><motor joint='b' gear='10' ctrlrange='-1 1'/>");
+        assert_eq!((all[0].drive, all[0].gain, all[0].stall_torque), (Drive::Velocity, Some(2.0), Some(2.0)));
+        assert_eq!((all[1].drive, all[1].gain, all[1].stall_torque), (Drive::Torque, None, Some(2.0)));
+        assert_eq!(all[1].command_range, Some([-10.0, 10.0]));
+        let two = motors("<motor joint='a'/><position joint='a' kp='3'/>");
+        assert_eq!((two[0].drive, two[0].gain), (Drive::Position, None));
+    }
+}

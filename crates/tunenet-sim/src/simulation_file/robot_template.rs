@@ -1,0 +1,238 @@
+//! A simulation file to start from for the joints of a model file.
+
+use tunenet_core::observation::{Channel, plain};
+
+use super::domain::Domain;
+use super::robot_schema::{BETWEEN, SAMPLES};
+use super::schema::is_name;
+use super::template::{keys, line, parameter};
+use crate::arm::{Joint, JointKind, Model};
+use crate::robot::{Drive, StatedMotor};
+
+/// Where a log has the numbers of a joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JointColumns {
+    /// Name of the joint in the model.
+    pub joint: String,
+    /// The column of its positions.
+    pub state: String,
+    /// The column of its commands.
+    pub command: String,
+}
+
+/// What the file starts from besides the joints and links of the model.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RobotStart {
+    /// What the model states of motors.
+    pub motors: Vec<StatedMotor>,
+    /// The joints that a log has, and where; `None` without a log. Other joints are held, and no motor is ever released.
+    pub columns: Option<Vec<JointColumns>>,
+    /// Rows of the log per second, where that is known.
+    pub rate_hz: Option<f64>,
+}
+
+impl RobotStart {
+    fn motor(&self, joint: &str) -> Option<&StatedMotor> {
+        self.motors.iter().find(|motor| motor.joint == joint)
+    }
+
+    fn columns(&self, joint: &str) -> Option<&JointColumns> {
+        self.columns.as_ref()?.iter().find(|columns| columns.joint == joint)
+    }
+}
+
+/// The channel of a joint's positions: by the name of the log's column, so that it is found there, or of the joint where the column's
+/// own is none.
+#[must_use]
+pub fn position_channel(joint: &Joint, column: Option<&str>) -> String {
+    let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+    let own = column.filter(|column| plain(column) == **column && Channel::from_header(column).is_none());
+    format!("{}_{unit}", own.map_or_else(|| plain(&joint.name), str::to_owned))
+}
+
+/// A commented simulation file for the robot of `model`, whose file is at `path` as seen from the simulation file: every joint with its
+/// own commands and parameters, which start at what the model states. Joints whose names are no keys are left out, and so held.
+#[must_use]
+pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
+    let joints = model.joints();
+    let kept =
+        |joint: &&Joint| is_name(&joint.name) && (start.columns.is_none() || start.columns(&joint.name).is_some());
+    let named: Vec<&Joint> = joints.into_iter().filter(kept).collect();
+    let mut own = if start.columns.is_none() { String::from(SWITCH) } else { String::new() };
+    for joint in &named {
+        tables(&mut own, joint, start);
+    }
+    let mut text = keys(Domain::Robot, &own).replacen("\"arm.urdf\"", &toml_edit::value(path).to_string(), 1);
+    if let Some(rate_hz) = start.rate_hz {
+        text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
+    }
+    for joint in &named {
+        let motor = start.motor(&joint.name);
+        for known in SAMPLES {
+            let number = known.name.rsplit_once(BETWEEN).map_or(known.name, |(_, number)| number);
+            if number == "stall_torque" && motor.is_some_and(unlimited) {
+                continue;
+            }
+            let effort = Some(joint.limits.effort).filter(|effort| effort.is_finite());
+            let mut default = value(number, known.default, motor, effort);
+            if number == "zero" && start.columns.is_some() {
+                default = [0.0, -ZERO_OF_A_LOG, ZERO_OF_A_LOG];
+            }
+            // A model has one number for both brakings, and only a released motor separates them.
+            let together = motor.is_some() || start.columns.is_some();
+            let tune = known.tune && !(number == "back_emf" && together);
+            parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), known);
+        }
+    }
+    text
+}
+
+/// An eighth of the period of a log, in whole ms from 1 to 4. At 4 ms, the error of a servo's rollout is 0.5 to 2 mrad, a few steps of an encoder
+/// with 4096 counts a turn, and a rollout takes a quarter of the time that it takes at 1 ms.
+fn step_s(rate_hz: f64) -> f64 {
+    (0.125e3 / rate_hz).clamp(1.0, 4.0).floor() / 1e3
+}
+
+/// Whether a motor has no greatest torque: a torque drive without a limit.
+fn unlimited(motor: &StatedMotor) -> bool {
+    motor.drive == Drive::Torque && motor.stall_torque.is_none()
+}
+
+/// The input and the table of a joint.
+fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
+    let (name, low) = (&joint.name, plain(&joint.name));
+    let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+    let (motor, columns) = (start.motor(name), start.columns(name));
+    let drive = motor.map_or(Drive::Position, |motor| motor.drive);
+    let (word, ending) = match drive {
+        Drive::Velocity => ("velocity", format!("rate_{unit}_s")),
+        Drive::Torque if unit == "m" => ("torque", "force_n".to_owned()),
+        Drive::Torque => ("torque", "torque_nm".to_owned()),
+        Drive::Position | Drive::Voltage => ("position", format!("goal_{unit}")),
+    };
+    let command = format!("{low}_{ending}");
+    text.push_str(&line(&format!("\n[inputs.{command}]")));
+    if let Some([lower, upper]) = motor.and_then(|motor| motor.command_range) {
+        text.push_str(&line(&format!(
+            "# The model limits this command to {lower} to {upper}; the simulation does not."
+        )));
+    }
+    if let Some(columns) = columns {
+        text.push_str(&line(&format!("column = {}", toml_edit::value(&columns.command))));
+    }
+    text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
+    if start.columns.is_none() {
+        text.push_str("enable = \"torque_on\"\n");
+    }
+    let channel = position_channel(joint, columns.map(|columns| columns.state.as_str()));
+    text.push_str(&line(&format!("observe = [{}]", toml_edit::value(channel))));
+    match motor.and_then(|motor| Some((motor, motor.gain?))) {
+        Some((motor, gain)) => {
+            text.push_str("# Of the model: gain / torque limit. With another `kp`, `gain_1_rad` is that over `kp`.\n");
+            text.push_str(&line(&format!("kp = 1.0\ngain_1_rad = {gain:?}")));
+            if motor.kd != 0.0 {
+                text.push_str(&line(&format!("kd = {:?}", motor.kd)));
+            }
+        }
+        None if drive == Drive::Torque => {}
+        None => text.push_str("kp = 16.0\ngain_1_rad = 0.166\n"),
+    }
+}
+
+/// Value, least and greatest value of a parameter to start from.
+fn value(number: &str, default: [f64; 3], motor: Option<&StatedMotor>, effort: Option<f64>) -> [f64; 3] {
+    let around = |value: f64, least: f64, greatest: f64| [value, least, (10.0 * value).max(greatest)];
+    let stated = |of: fn(&StatedMotor) -> f64| motor.map(of).filter(|value| *value > 0.0);
+    let greatest = default[2];
+    let found = match number {
+        "stall_torque" => {
+            motor.and_then(|motor| motor.stall_torque).or(effort).map(|value| around(value, value / 10.0, 0.0))
+        }
+        // It is in the damping of the model.
+        "back_emf" => motor.map(|_| [0.0, 0.0, greatest]),
+        "viscous" => stated(|motor| motor.damping).map(|value| around(value, 0.0, greatest)),
+        "coulomb" => stated(|motor| motor.friction).map(|value| around(value, 0.0, greatest)),
+        "armature" => stated(|motor| motor.armature).map(|value| around(value, value / 10.0, greatest)),
+        _ => None,
+    };
+    found.unwrap_or(default)
+}
+
+/// How far the zero of a log may be from that of the model, rad or m: a quarter turn, since a log that is normalised to the range of its
+/// calibration has a zero of its own.
+const ZERO_OF_A_LOG: f64 = 1.6;
+
+/// The input that switches all motors.
+const SWITCH: &str = "
+[inputs.torque_on]
+# Whether motors are on: 0 releases them.
+default = 1.0
+";
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::SimulationFile;
+    use crate::robot::stated_motors;
+
+    const MODEL: &str = "<mujoco><compiler angle='radian'/><worldbody>\
+        <body><joint name='Lift' damping='0.6' frictionloss='0.05' armature='0.03'/><geom size='0.1'/>\
+        <body><joint name='reach' type='slide'/><geom size='0.1'/></body></body></worldbody>\
+        <actuator><position joint='Lift' kp='18' kv='1.5' forcerange='-3 3' ctrlrange='-1 2'/><motor joint='reach'/></actuator></mujoco>";
+
+    fn written(columns: Option<Vec<JointColumns>>) -> SimulationFile {
+        let path = Path::new("m.xml");
+        let robot = tunenet_models::Model::parse_alone(path, MODEL).unwrap();
+        let rate_hz = columns.is_some().then_some(30.0);
+        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz };
+        let model = crate::arm::model_file::parse_mjcf(path, MODEL).unwrap();
+        let text = robot_template("m \"x\".xml", &model, &start);
+        SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
+    #[test]
+    fn it_starts_at_what_the_model_states() {
+        let file = written(None);
+        let robot = file.robot().unwrap();
+        assert_eq!(robot.robot.model, Path::new("m \"x\".xml"));
+        let lift = &robot.joints["Lift"];
+        assert_eq!((lift.drive, lift.kp, lift.gain_1_rad, lift.kd), (Drive::Position, 1.0, Some(6.0), 0.5));
+        let reach = &robot.joints["reach"];
+        assert_eq!((reach.drive, reach.command.as_str()), (Drive::Torque, "reach_force_n"));
+        let parameters = file.parameters().unwrap();
+        let of = |name: &str| parameters.iter().find(|p| p.name == name).map(|p| p.value);
+        let names = ["stall_torque", "back_emf", "viscous", "coulomb", "armature"];
+        let lift: Vec<Option<f64>> = names.iter().map(|name| of(&format!("Lift__{name}"))).collect();
+        assert_eq!(lift, [Some(3.0), Some(0.0), Some(0.6), Some(0.05), Some(0.03)]);
+        assert_eq!(of("reach__stall_torque"), None);
+    }
+
+    #[test]
+    fn a_log_says_which_joints_move_and_where_their_numbers_are() {
+        let one = JointColumns { joint: "Lift".into(), state: "lift".into(), command: "action.lift".into() };
+        let file = written(Some(vec![one]));
+        let robot = file.robot().unwrap();
+        assert_eq!(robot.joints.keys().collect::<Vec<_>>(), ["Lift"]);
+        assert_eq!(
+            (robot.joints["Lift"].observe.as_slice(), &robot.joints["Lift"].enable),
+            (&["lift_rad".to_owned()][..], &None)
+        );
+        assert_eq!(robot.inputs["lift_goal_rad"].column.as_deref(), Some("action.lift"));
+        assert!(!file.parameters().unwrap().iter().find(|p| p.name == "Lift__back_emf").unwrap().tune);
+        let parameters = file.parameters().unwrap();
+        assert_eq!(parameters.iter().find(|p| p.name == "Lift__zero").map(|p| (p.min, p.max)), Some((-1.6, 1.6)));
+        assert_eq!(robot.integrate.step_s, 0.004);
+        assert_eq!([200.0, 50.0, 10.0].map(step_s), [0.001, 0.002, 0.004]);
+    }
+
+    #[test]
+    fn a_column_whose_name_is_no_channel_is_mapped() {
+        let model = crate::arm::model_file::parse_mjcf(Path::new("m.xml"), MODEL).unwrap();
+        let lift = model.joints()[0];
+        assert_eq!(position_channel(lift, Some("elbow_flex")), "elbow_flex_rad");
+        assert_eq!(position_channel(lift, Some("obs.joint_pos.2")), "lift_rad");
+        assert_eq!(position_channel(lift, Some("q_deg")), "lift_rad");
+    }
+}

@@ -1,0 +1,272 @@
+//! Robots whose model is an MJCF: what the file starts from, and what is written back into it.
+
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::common::{Folder, recorded};
+
+/// Two hinges with position actuators, in steps that are short enough for MuJoCo's own error to be small.
+const MODEL: &str = r#"<mujoco model="two">
+  <compiler angle="radian"/>
+  <option timestep="0.0005" integrator="implicitfast"><flag contact="disable"/></option>
+  <default><default class="servo"><joint damping="0.4" frictionloss="0.05" armature="0.02"/></default></default>
+  <worldbody>
+    <!-- the upper arm -->
+    <body name="upper" pos="0 0 1"><joint name="shoulder" axis="0 1 0" class="servo"/>
+      <inertial pos="0 0 -0.1" mass="0.4" diaginertia="0.002 0.002 0.0002"/>
+      <body name="fore" pos="0 0 -0.2"><joint name="elbow" axis="0 1 0" class="servo"/>
+        <inertial pos="0 0 -0.08" mass="0.3" diaginertia="0.001 0.001 0.0001"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="one" joint="shoulder" kp="15" forcerange="-3 3" ctrlrange="-2 2"/>
+    <position name="two" joint="elbow" kp="12" kv="1.5" forcerange="-3 3"/>
+  </actuator>
+</mujoco>
+"#;
+
+/// Commands of both joints for 3 s.
+fn commands() -> String {
+    let rows = (0..300).map(|i| f64::from(i) / 100.0).map(|t| {
+        let step = if (0.5..2.0).contains(&t) { 0.8 } else { 0.0 };
+        format!("{t},{},{}\n", 0.6 * (t * t * 2.0).sin(), step)
+    });
+    std::iter::once("t_s,shoulder_goal_rad,elbow_goal_rad\n".to_owned()).chain(rows).collect()
+}
+
+/// A folder with the model, its simulation file and commands.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("two.xml", MODEL);
+    folder.write("commands.csv", commands());
+    folder.run("init robot --model two.xml --out robot.toml").ends(0);
+    folder
+}
+
+#[test]
+fn init_starts_at_what_the_mjcf_states() {
+    let folder = folder();
+    let text = folder.text("robot.toml");
+    for part in [
+        "model = \"two.xml\"",
+        "[joints.elbow]",
+        "gain_1_rad = 4.0",
+        "kd = 0.5",
+        "# The model limits this command to -2 to 2",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let shown = folder.run("inspect robot.toml --json").ends(0).json();
+    assert_eq!(shown["usable"], true, "{shown}");
+    let table = |name: &str| text.split(&format!("[parameters.{name}]")).nth(1).unwrap().to_owned();
+    for (name, value) in [("shoulder__stall_torque", "3.0"), ("shoulder__viscous", "0.4"), ("elbow__armature", "0.02")]
+    {
+        assert!(table(name).contains(&format!("value = {value} ")), "{name}");
+    }
+}
+
+/// Tuned from what the model states to what was simulated; the copy of the model has the tuned numbers, and nothing else changed.
+#[test]
+fn tuned_numbers_go_into_a_copy_of_the_model() {
+    let folder = folder();
+    let truth = "--set parameters.shoulder__stall_torque.value=2.5 --set parameters.elbow__coulomb.value=0.1 --set record.frames=300 \
+                 --set effects.speed_limit.inverse_s_rad=[0.3,0.0]";
+    folder.run(&format!("simulate --sim robot.toml --inputs commands.csv {truth} --out seen.csv")).ends(0);
+    let own = format!("{}\n[effects.speed_limit]\ninverse_s_rad = [0.3, 0.0]\n", folder.text("robot.toml"));
+    folder.write("limited.toml", own);
+    let ran = folder
+        .run(
+            "tune --sim limited.toml seen.csv --quick --out tuned.toml --out-model tuned.xml --out-bam servos.json \
+             --bam-actuator sts3215 --out-isaac actuators.py",
+        )
+        .ends(0);
+    let text = folder.text("tuned.xml");
+    assert!(
+        text.contains("<!-- the upper arm -->") && text.contains("<joint damping=\"0.4\" frictionloss=\"0.05\""),
+        "{text}"
+    );
+    let number = |element: &str, key: &str| -> f64 {
+        let tail = text.split(element).nth(1).unwrap().split('>').next().unwrap();
+        let value = tail.split(&format!("{key}=\"")).nth(1).unwrap_or_else(|| panic!("{key}: {tail}"));
+        value.split(['"', ' ']).next().unwrap().parse().unwrap()
+    };
+    let tuned: toml_edit::DocumentMut = folder.text("tuned.toml").parse().unwrap();
+    let parameter = |name: &str| tuned["parameters"][name]["value"].as_float().unwrap();
+    let stall = parameter("shoulder__stall_torque");
+    assert!((stall - 2.5).abs() < 0.05, "{stall}");
+    // kp = A·c·kp, forcerange = ±A, damping = B + D, frictionloss = Fc.
+    assert!((number("name=\"one\"", "kp") - 5.0 * stall).abs() < 1e-9);
+    assert!((number("name=\"one\"", "forcerange") + stall).abs() < 1e-9);
+    let braking = parameter("shoulder__viscous") + parameter("shoulder__back_emf");
+    assert!((number("name=\"shoulder\"", "damping") - braking).abs() < 1e-9);
+    assert!((number("name=\"elbow\"", "frictionloss") - parameter("elbow__coulomb")).abs() < 1e-12);
+    // What MJCF has no attribute for is next to it, and named.
+    let rest: toml_edit::DocumentMut = folder.text("tuned.effects.toml").parse().unwrap();
+    let limit = rest["joints"]["shoulder"]["speed_limit"]["value"].as_float().unwrap();
+    assert!((limit - 1.0 / 0.3).abs() < 1e-9, "{limit}");
+    assert!(ran.stderr.contains("speed_limit of `shoulder`"), "{}", ran.stderr);
+    let servos: Value = serde_json::from_slice(&folder.read("servos.json")).unwrap();
+    assert_eq!(servos["elbow"]["actuator"], "sts3215");
+    assert!(folder.text("actuators.py").contains("ImplicitActuatorCfg"));
+    // A file that is there is nobody's to replace, and the model itself least of all.
+    folder.run("tune --sim limited.toml seen.csv --quick --out-model tuned.xml").ends(1);
+    folder.run("tune --sim limited.toml seen.csv --quick --out-model two.xml --overwrite").ends(1);
+    assert_eq!(folder.text("two.xml"), MODEL);
+}
+
+#[test]
+fn models_of_other_simulations_are_refused() {
+    let folder = Folder::with_scene();
+    folder.write("drop.csv", "t_s,z_m\n0,1\n0.1,0.95\n0.2,0.8\n0.3,0.56\n");
+    let ran = folder.run("tune --sim scene.toml drop.csv --out-model a.xml").ends(2);
+    assert!(ran.stderr.contains("`--out-model`: expected `kind = \"robot\"`"), "{}", ran.stderr);
+    let ran = folder.run("tune --sim scene.toml drop.csv --out-isaac a.py").ends(2);
+    assert!(ran.stderr.contains("`--out-isaac`: expected `kind = \"robot\"`"), "{}", ran.stderr);
+    folder.run("tune --sim scene.toml drop.csv --out-bam a.json").ends(2);
+}
+
+/// Rolls out a model file in MuJoCo: positions every 10 ms. Its dry friction, which creeps by default, is as stiff as its steps allow.
+const ROLLOUT: &str = r#"
+import json, sys
+import mujoco
+case = json.load(sys.stdin)
+model = mujoco.MjModel.from_xml_path(case["model"])
+step = model.opt.timestep
+model.dof_solref[:] = [2 * step, 1]
+model.dof_solimp[:] = [0.9999, 0.9999, 0.001, 0.5, 2]
+data = mujoco.MjData(model)
+each = round(0.01 / step)
+seen = [list(map(float, data.qpos))]
+for goals in case["goals"][:-1]:
+    data.ctrl[:] = goals
+    for _ in range(each):
+        mujoco.mj_step(model, data)
+    seen.append(list(map(float, data.qpos)))
+json.dump(seen, sys.stdout)
+"#;
+
+/// MuJoCo's positions; why not, where there are none.
+fn by_mujoco(folder: &Folder, case: &Value) -> Result<Vec<Vec<f64>>, String> {
+    let mut child = Command::new("python3")
+        .args(["-c", ROLLOUT])
+        .current_dir(folder.path("."))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| format!("no python3: {error}"))?;
+    let mut input = child.stdin.take().ok_or("no standard input")?;
+    let text = case.to_string();
+    // A Python without the module ends before it reads.
+    let _ = input.write_all(text.as_bytes());
+    drop(input);
+    let output = child.wait_with_output().map_err(|error| error.to_string())?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("No module named 'mujoco'") {
+        return Err("python3 has no mujoco".into());
+    }
+    assert!(output.status.success(), "{said}");
+    serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())
+}
+
+/// MuJoCo reads the written model and swings as the tuned simulation does, effects that MJCF can express included.
+#[test]
+fn validate_a_written_model_against_mujoco_within_a_milliradian() {
+    let folder = folder();
+    // Effects that MJCF can express, in the simulation only; the model gets them by being written.
+    let effects = "\n[effects.command_delay]\ns = [0.03, 0.0]\n[effects.quadratic_friction]\nnms2_rad2 = [0.02, 0.0]\n\
+                   [effects.joint_spring]\nnm_rad = [0.0, 0.5]\n[effects.firmware_gain]\nfactor = [0.8, 1.2]\n";
+    let text = folder.text("robot.toml");
+    // Numbers other than the model's own.
+    let other = |text: &str, name: &str, value: f64| {
+        let (before, table) = text.split_once(&format!("[parameters.{name}]")).unwrap();
+        let (comment, rest) = table.split_once("value = ").unwrap();
+        let rest = rest.split_once(' ').unwrap().1;
+        format!("{before}[parameters.{name}]{comment}value = {value} {rest}")
+    };
+    let mut text = text;
+    for (name, value) in [
+        ("shoulder__back_emf", 0.3),
+        ("shoulder__stall_torque", 2.2),
+        ("elbow__coulomb", 0.11),
+        ("elbow__armature", 0.03),
+    ] {
+        text = other(&text, name, value);
+    }
+    folder.write("other.toml", format!("{text}{effects}"));
+    folder.run("simulate --sim other.toml --inputs commands.csv --set record.frames=300 --out seen.csv").ends(0);
+    folder.run("tune --sim other.toml seen.csv --quick --out tuned.toml --out-model tuned.xml").ends(0);
+    folder.run("simulate --sim tuned.toml --inputs commands.csv --set record.frames=300 --out ours.csv").ends(0);
+    assert!(!folder.path("tuned.effects.toml").exists(), "{}", folder.text("tuned.effects.toml"));
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = folder.text(name);
+        let numbers = |line: &str| line.split(',').map(|word| word.parse().unwrap()).collect();
+        text.lines().skip(1).map(numbers).collect()
+    };
+    let goals: Vec<Vec<f64>> = rows("commands.csv").iter().map(|row| row[1..].to_vec()).collect();
+    let theirs = match by_mujoco(&folder, &json!({ "model": "tuned.xml", "goals": goals })) {
+        Ok(theirs) => theirs,
+        Err(why) => {
+            println!("skipped: {why}");
+            return;
+        }
+    };
+    let ours = rows("ours.csv");
+    assert_eq!(ours.len(), theirs.len());
+    let moved = theirs.iter().map(|row| row[0].abs()).fold(0.0, f64::max);
+    assert!(moved > 0.3, "{moved} rad");
+    for joint in 0..2 {
+        let squares: f64 = ours.iter().zip(&theirs).map(|(a, b)| (a[1 + joint] - b[joint]).powi(2)).sum();
+        let error = (squares / ours.len() as f64).sqrt();
+        println!("joint {joint}: {:.2} mrad RMS from MuJoCo", 1e3 * error);
+        assert!(error < 1e-3, "joint {joint}: {error} rad");
+    }
+}
+
+/// From a public data set and a public model to a file that the readers of both accept; units are asked for, never guessed.
+#[test]
+fn a_data_set_names_the_joints_of_its_robot() {
+    let (Some(data), Some(models)) = (recorded::measured("lerobot-v3-so101"), recorded::measured("models/so101"))
+    else {
+        return;
+    };
+    let folder = Folder::new();
+    folder.write("so101.xml", std::fs::read(models.join("so101_new_calib.xml")).unwrap());
+    let data = data.display().to_string();
+    let ran = folder.call(&["init", "robot", "--model", "so101.xml", "--from", &data]).ends(0);
+    let text = folder.text("robot.toml");
+    for part in ["[joints.gripper]", "column = \"action.shoulder_pan\"", "observe = [\"elbow_flex_rad\"]"] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    assert!(!text.contains("torque_on"), "{text}");
+    assert!(
+        ran.stderr.contains("--units 'shoulder_pan=1.1") || ran.stderr.contains("--units shoulder_pan=1.1"),
+        "{}",
+        ran.stderr
+    );
+    let ran = folder.call(&["tune", "--sim", "robot.toml", &data]).ends(1);
+    assert!(ran.stderr.contains("--units"), "{}", ran.stderr);
+    // Joints that bear other names are mapped, and what is left is held.
+    let one =
+        ["init", "robot", "--model", "so101.xml", "--from", &data, "--overwrite", "--joints", "wrist_roll=elbow_flex"];
+    folder.call(&one).ends(0);
+    assert!(folder.text("robot.toml").contains(
+        "[joints.wrist_roll]\ndrive = \"position\"\ncommand = \"wrist_roll_goal_rad\"\nobserve = [\"elbow_flex_rad\"]"
+    ));
+    folder
+        .call(&[
+            "init",
+            "robot",
+            "--model",
+            "so101.xml",
+            "--from",
+            &data,
+            "--overwrite",
+            "--joints",
+            "wrist=elbow_flex",
+        ])
+        .ends(2);
+}
