@@ -9,8 +9,8 @@ use tunenet_formats::{Error, Result};
 
 use crate::arm::{JointKind, Model, model_file};
 use crate::robot::effects::RobotEffect;
-use crate::robot::layout::{Layout, Number, Reading, Role, Start, Wiring};
-use crate::robot::numbers::JointNumbers;
+use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
+use crate::robot::numbers::{JointNumbers, Number};
 use crate::robot::rig::{Mass, Rig};
 use crate::robot::trajectory::Quantity;
 use crate::robot::{Drive, RobotModel};

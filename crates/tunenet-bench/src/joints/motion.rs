@@ -202,6 +202,11 @@ impl<'a> Joint<'a> {
     }
 }
 
+/// Root mean square of a difference.
+pub fn apart(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::motion::positions;
+use super::motion::{apart, positions};
 use super::servo::{Motor, NUMBERS, Run, Secret, Secrets, Shape};
 use super::surviving::surviving;
 
@@ -192,11 +192,6 @@ fn size(secret: &Secret, shape: Shape, motor: &Motor, runs: &[Run], ratio: f64) 
     ((moved(found) / ratio - 1.0).abs() < NEAR).then_some(found)
 }
 
-/// Root mean square of a difference.
-pub fn apart(a: &[f64], b: &[f64]) -> f64 {
-    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
-}
-
 /// With noise, in steps of the encoder.
 fn measured(mut values: Vec<f64>, random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut noise: f64 = NOISE_RAD * random.sample::<f64, _>(StandardNormal);
@@ -210,6 +205,7 @@ fn measured(mut values: Vec<f64>, random: &mut ChaCha8Rng) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::servo::SECRETS;
+    use super::super::surviving::fitted;
     use super::*;
 
     #[test]
@@ -253,5 +249,19 @@ mod tests {
     fn equal_words_draw_equal_sets() {
         let draw = || JointSet::draw(None, &mut stream("test", 3, "a", 0)).unwrap().measured;
         assert_eq!(draw(), draw());
+    }
+
+    #[test]
+    fn another_motor_is_tuned_away_and_a_delay_is_not() {
+        let set = JointSet::draw(None, &mut stream("test", 1, "surviving", 0)).unwrap();
+        let runs = &set.runs[..3];
+        let truth: Vec<f64> = runs.iter().flat_map(|run| positions(&set.motor, &Secrets::NONE, run, 2.5e-4)).collect();
+        let plain = |numbers: [f64; NUMBERS]| -> Vec<f64> {
+            runs.iter().flat_map(|run| positions(&Motor::of(numbers), &Secrets::NONE, run, 2.5e-4)).collect()
+        };
+        let size = |left: Vec<f64>| apart(&left, &vec![0.0; left.len()]);
+        assert!(size(fitted(Motor::CENTRE.numbers(), &truth, &plain)) < 0.1 * NOISE_RAD);
+        let late = Secrets { command_delay_s: 0.02, ..Secrets::NONE };
+        assert!(size(surviving(&set.motor, &late, runs, 2.5e-4)) > 3.0 * NOISE_RAD);
     }
 }

@@ -3,9 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::motion::positions;
+use super::motion::{apart, positions};
 use super::servo::{Motor, NUMBERS, Run, Secrets};
-use super::set::apart;
 
 const STEPS: usize = 25;
 /// A step that gains less than this share ends it.
@@ -37,7 +36,7 @@ pub fn surviving(motor: &Motor, secrets: &Secrets, runs: &[Run], step_s: f64) ->
 }
 
 /// What a fit ends with.
-fn fitted(mut at: [f64; NUMBERS], truth: &[f64], model: &dyn Fn([f64; NUMBERS]) -> Vec<f64>) -> Vec<f64> {
+pub(super) fn fitted(mut at: [f64; NUMBERS], truth: &[f64], model: &dyn Fn([f64; NUMBERS]) -> Vec<f64>) -> Vec<f64> {
     let scale = Motor::CENTRE.numbers().map(|number| if number == 0.0 { 0.1 } else { number });
     let mut values = model(at);
     let mut left = apart(truth, &values);
@@ -74,25 +73,4 @@ fn fitted(mut at: [f64; NUMBERS], truth: &[f64], model: &dyn Fn([f64; NUMBERS]) 
         }
     }
     truth.iter().zip(&values).map(|(a, b)| a - b).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::set::stream;
-    use super::super::set::{JointSet, NOISE_RAD};
-    use super::*;
-
-    #[test]
-    fn another_motor_is_tuned_away_and_a_delay_is_not() {
-        let set = JointSet::draw(None, &mut stream("test", 1, "surviving", 0)).unwrap();
-        let runs = &set.runs[..3];
-        let truth: Vec<f64> = runs.iter().flat_map(|run| positions(&set.motor, &Secrets::NONE, run, 2.5e-4)).collect();
-        let plain = |numbers: [f64; NUMBERS]| -> Vec<f64> {
-            runs.iter().flat_map(|run| positions(&Motor::of(numbers), &Secrets::NONE, run, 2.5e-4)).collect()
-        };
-        let size = |left: Vec<f64>| apart(&left, &vec![0.0; left.len()]);
-        assert!(size(fitted(Motor::CENTRE.numbers(), &truth, &plain)) < 0.1 * NOISE_RAD);
-        let late = Secrets { command_delay_s: 0.02, ..Secrets::NONE };
-        assert!(size(surviving(&set.motor, &late, runs, 2.5e-4)) > 3.0 * NOISE_RAD);
-    }
 }

@@ -3,43 +3,8 @@
 use tunenet_core::observation::Note;
 
 use super::effects::RobotEffect;
-use super::numbers::JointNumbers;
+use super::numbers::Number;
 use super::trajectory::Quantity;
-
-/// What a parameter of a joint is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Number {
-    StallTorque,
-    BackEmf,
-    Viscous,
-    Coulomb,
-    Armature,
-    Zero,
-}
-
-impl Number {
-    /// Every one, by its name in `[parameters.JOINT__NAME]`.
-    pub const ALL: [(&'static str, Self); 6] = [
-        ("stall_torque", Self::StallTorque),
-        ("back_emf", Self::BackEmf),
-        ("viscous", Self::Viscous),
-        ("coulomb", Self::Coulomb),
-        ("armature", Self::Armature),
-        ("zero", Self::Zero),
-    ];
-
-    /// Its place in a joint.
-    pub fn of(self, joint: &mut JointNumbers) -> &mut f64 {
-        match self {
-            Self::StallTorque => &mut joint.stall,
-            Self::BackEmf => &mut joint.back_emf,
-            Self::Viscous => &mut joint.viscous,
-            Self::Coulomb => &mut joint.coulomb,
-            Self::Armature => &mut joint.armature,
-            Self::Zero => &mut joint.zero,
-        }
-    }
-}
 
 /// A parameter: which number of which joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use tunenet_core::observation::Channel;
 use super::declared_check::{self, Wrong};
 use super::declared_schema::Declares;
 use super::schema::{Definition, lookup, texts};
-use crate::robot::layout::Number;
+use crate::robot::numbers::Number;
 use crate::scene::RobotScene;
 
 /// Between the name of a joint and that of its number.

@@ -2,7 +2,7 @@
 
 use tunenet_core::simulator::{Coefficient, Phase, Side};
 
-use super::super::layout::Number;
+use super::super::numbers::Number;
 use super::{Act, RobotEffect, RobotTwin};
 
 pub(super) const EFFECT: RobotEffect = RobotEffect {

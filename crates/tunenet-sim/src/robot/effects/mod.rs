@@ -26,7 +26,7 @@ mod voltage_sag;
 use tunenet_core::simulator::{Coefficient, Effect, Phase, Side, Twin};
 
 use super::imperfect::{DriveEffects, Imperfect};
-use super::layout::Number;
+use super::numbers::Number;
 use crate::arm::effects::{self as arm, Imperfections};
 
 /// An effect of a robot: its entry in the catalogue, and how it acts.
