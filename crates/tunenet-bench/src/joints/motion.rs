@@ -30,6 +30,7 @@ pub fn positions(motor: &Motor, secrets: &Secrets, run: &Run, longest_step_s: f6
 
 fn at(path: &[f64], dt: f64, time_s: f64) -> f64 {
     let place = (time_s / dt).clamp(0.0, (path.len() - 1) as f64);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the path")]
     let below = (place.floor() as usize).min(path.len().saturating_sub(2));
     path[below] + (place - below as f64) * (path[below + 1] - path[below])
 }
@@ -43,6 +44,7 @@ struct Drive {
 impl Drive {
     fn new(secrets: &Secrets, run: &Run, dt: f64) -> Self {
         let last = run.clock.last().copied().unwrap_or(0.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "steps of some seconds")]
         let count = (last / dt).ceil() as usize + 2;
         let off = run.off_s() + secrets.release_delay_s;
         let (mut near, mut own) = (0, run.goal[0]);
@@ -69,7 +71,7 @@ struct Joint<'a> {
     /// Of the load, kg·m², N·m, rad.
     inertia: f64,
     weight: f64,
-    lean: f64,
+    side_angle: f64,
 }
 
 impl<'a> Joint<'a> {
@@ -84,14 +86,14 @@ impl<'a> Joint<'a> {
             motor_ohm: motor.back_emf * (SUPPLY_V / motor.stall).powi(2),
             inertia: run.mass_kg * length * length,
             weight: run.mass_kg * GRAVITY_M_S2 * length,
-            lean: side.atan2(along),
+            side_angle: side.atan2(along),
         }
     }
 
     /// The torque of weight and spring at a measured position.
     fn outside(&self, q: f64) -> f64 {
         let q = q + self.motor.zero;
-        -self.weight * (q + self.lean).sin() - self.secrets.spring_nm_rad * q
+        -self.weight * (q + self.side_angle).sin() - self.secrets.spring_nm_rad * q
     }
 
     /// The torque of the motor.
@@ -131,7 +133,7 @@ impl<'a> Joint<'a> {
     }
 
     /// The speed after an impulse over `h` seconds.
-    fn kicked(inertia: f64, w: f64, free: f64, (forward, backward): (f64, f64), h: f64) -> f64 {
+    fn after_impulse(inertia: f64, w: f64, free: f64, (forward, backward): (f64, f64), h: f64) -> f64 {
         let ahead = w + h * free / inertia;
         if ahead > h * forward / inertia {
             ahead - h * forward / inertia
@@ -150,7 +152,7 @@ impl<'a> Joint<'a> {
         let half = |q: f64, w: f64, k: usize| {
             let (motor, outside) = (self.driven(drive.goal[k], drive.on[k], q, w), self.outside(q));
             let free = motor + outside + self.braking(drive.on[k], w);
-            Self::kicked(inertia, w, free, self.dry(outside - motor, w), 0.5 * dt)
+            Self::after_impulse(inertia, w, free, self.dry(outside - motor, w), 0.5 * dt)
         };
         for k in 0..drive.goal.len() - 1 {
             w = half(q, w, k);
@@ -188,7 +190,7 @@ impl<'a> Joint<'a> {
             let gear = pressed(shaft - q);
             let free = motor - gear + self.braking(drive.on[k], turning);
             let dry = self.dry(outside - motor, turning);
-            let after = Self::kicked(self.motor.armature, turning, free, dry, 0.5 * dt);
+            let after = Self::after_impulse(self.motor.armature, turning, free, dry, 0.5 * dt);
             (w + 0.5 * dt * (gear + outside) / self.inertia, after)
         };
         for k in 0..drive.goal.len() - 1 {

@@ -133,7 +133,9 @@ impl JointSet {
 
 fn motor(random: &mut ChaCha8Rng) -> Motor {
     let mut numbers = Motor::CENTRE.numbers();
-    numbers.iter_mut().for_each(|number| *number *= random.random_range(1.0 - SHIFT..1.0 + SHIFT));
+    for number in &mut numbers {
+        *number *= random.random_range(1.0 - SHIFT..1.0 + SHIFT);
+    }
     numbers[NUMBERS - 1] = random.random_range(-ZERO_RAD..ZERO_RAD);
     Motor::of(numbers)
 }
@@ -212,7 +214,9 @@ mod tests {
     fn what_is_hidden_moves_the_runs_by_the_ratio_and_survives_tuning_in_part() {
         for name in ["speed_limit", "load_friction", "backlash", "joint_spring"] {
             let secret = SECRETS.iter().find(|one| one.name == name).unwrap();
-            let set = JointSet::draw(Some((secret, 10.0)), &mut stream("test", 1, name, 0)).unwrap();
+            // Of some motors no physical size moves the runs so much.
+            let drawn = |number| JointSet::draw(Some((secret, 10.0)), &mut stream("test", 1, name, number));
+            let set = (0..8).find_map(drawn).unwrap();
             let rolled = |secrets: &Secrets| -> Vec<f64> {
                 set.runs[..FITTED].iter().flat_map(|run| positions(&set.motor, secrets, run, TRUTH_STEP_S)).collect()
             };

@@ -124,7 +124,7 @@ mod tests {
             "| three runs: rollouts, median | at most 2000 | 1500 |  | 3 | met |",
             "| nothing | 0 | 1 |  |  |  |  |  | 1 |  | 0.00 | 0 | 1500 | 0.5 |",
             "## Hidden by tuning",
-            "| dead_band | 10 | 2 | 1 |  | 1 |  |  |  |  | 4.00 | 40 | 1500 | 0.5 |",
+            "| dead_band | 10 | 2 | 1 |  | 1 |  |  |  |  | 5.00 | 50 | 1500 | 0.5 |",
             "## Wrong lone names\n\n- dead_band at 10, set 0 (30 standard deviations survive): backlash\n",
         ] {
             assert!(text.contains(wanted), "{wanted}\n{text}");

@@ -61,13 +61,15 @@ pub(crate) fn written_length(of: &[usize], names: &[&str]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
     use crate::SimulationFile;
 
     fn quantities(states: &str) -> Vec<(String, Quantity)> {
         let mut text = String::from("kind = \"equations\"\n[parameters.k]\nvalue = 1.0\nmin = 0.0\nmax = 2.0\n");
         for name in states.split(' ') {
-            text.push_str(&format!("[states.{name}]\n[start.{name}]\nvalue = 0.5\n"));
+            writeln!(text, "[states.{name}]\n[start.{name}]\nvalue = 0.5").unwrap();
         }
         text.push_str("[derivatives]\nx_m = \"u_m_s\"\ny_m = \"w_m_s\"\nu_m_s = \"0*k\"\nw_m_s = \"0\"\n");
         let file = SimulationFile::parse("body.toml".as_ref(), &text).expect("equations");

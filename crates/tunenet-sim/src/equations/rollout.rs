@@ -264,9 +264,8 @@ impl<'a> Rollout<'a> {
         let system = self.motion.system;
         let mut values = self.motion.values.clone();
         values[..self.stepper.y.len()].copy_from_slice(&self.stepper.y);
-        let named = system.states.iter().zip(system.written.iter());
-        let found = named.filter_map(|(state, formula)| Some((state, undefined(formula, &values)?))).next();
-        let (state, part) = found?;
+        let mut named = system.states.iter().zip(system.written.iter());
+        let (state, part) = named.find_map(|(state, formula)| Some((state, undefined(formula, &values)?)))?;
         Some(format!("`{part}` in `derivatives.{state}` grows beyond all bounds at {} s", self.time()))
     }
 

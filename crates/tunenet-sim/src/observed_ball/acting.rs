@@ -13,7 +13,7 @@ use crate::formula_effect::{Acts, FormulaEffect};
 #[derive(Debug, Clone)]
 pub(crate) enum Acting {
     BuiltIn(BallEffect),
-    Formula(FormulaEffect),
+    Formula(Box<FormulaEffect>),
 }
 
 impl Acting {
@@ -70,8 +70,11 @@ impl Acting {
     /// The force of a formula with these numbers.
     pub fn force(&self, values: &[f64]) -> Option<AppliedForce> {
         match self {
-            Self::Formula(FormulaEffect { acts: Acts::Flight(force), .. }) => Some(AppliedForce::new(force, values)),
-            _ => None,
+            Self::Formula(formula) => match &formula.acts {
+                Acts::Flight(force) => Some(AppliedForce::new(force, values)),
+                _ => None,
+            },
+            Self::BuiltIn(_) => None,
         }
     }
 

@@ -33,7 +33,9 @@ impl ObservedBall {
 
     /// The catalogue, then the formulas of the file.
     fn known_effects(&self) -> impl Iterator<Item = Acting> {
-        ALL.into_iter().map(Acting::BuiltIn).chain(self.formulas.iter().cloned().map(Acting::Formula))
+        ALL.into_iter()
+            .map(Acting::BuiltIn)
+            .chain(self.formulas.iter().map(|formula| Acting::Formula(Box::new(formula.clone()))))
     }
 
     /// The effect of this name.

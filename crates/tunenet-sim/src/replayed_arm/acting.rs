@@ -11,7 +11,7 @@ use crate::formula_effect::{Acts, FormulaEffect};
 #[derive(Debug, Clone)]
 pub(super) enum Acting {
     BuiltIn(ArmEffect),
-    Formula(FormulaEffect),
+    Formula(Box<FormulaEffect>),
 }
 
 impl Acting {

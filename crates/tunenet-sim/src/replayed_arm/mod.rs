@@ -157,7 +157,9 @@ impl ReplayedArm {
 
     /// The catalogue, then the formulas.
     fn known_effects(&self) -> impl Iterator<Item = Acting> {
-        ALL.into_iter().map(Acting::BuiltIn).chain(self.formulas.iter().cloned().map(Acting::Formula))
+        ALL.into_iter()
+            .map(Acting::BuiltIn)
+            .chain(self.formulas.iter().map(|formula| Acting::Formula(Box::new(formula.clone()))))
     }
 
     fn find(&self, name: &str) -> Result<Acting> {

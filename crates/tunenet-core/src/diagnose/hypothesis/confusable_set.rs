@@ -1,10 +1,11 @@
-//! Confusable set: the effects that the recordings cannot distinguish from a selected one.
+//! Confusable set: the effects that the recordings cannot distinguish from a selected one, and those that no recording does.
 
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::gain;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, strains_an_object};
 use crate::estimate::canonical_correlation::canonical_correlation;
+use crate::simulator::Text;
 
 /// Two effects whose projected columns share this much (squared canonical correlation) are the same to these recordings,
 /// whatever small difference a fit finds.
@@ -57,6 +58,23 @@ pub(in crate::diagnose) fn excluded_rival(
     });
     let ahead = rivals.filter(|(lead, _)| *lead > context.settings.margin);
     ahead.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, coefficient)| coefficient.clone())
+}
+
+/// The twins of an effect as `model` has it, by their positions in the catalogue, each with what distinguishes both.
+pub(in crate::diagnose) fn exact_twins<'c>(
+    context: &'c Context,
+    model: &Hypothesis,
+    entry: usize,
+) -> Vec<(usize, &'c Text)> {
+    let structure = &model.structure;
+    let Some(position) = structure.effects.iter().position(|&e| e == entry) else { return Vec::new() };
+    let own = structure.of_effect(position);
+    let value =
+        |&g: &usize| (model.fit.point.parameters[g], structure.globals[g].absent.map_or(0.0, |(absent, _)| absent));
+    let alike = context.catalogue[entry].of[0].exact_twins.iter().filter(|twin| twin.side.holds(own.iter().map(value)));
+    let known = |name: &Text| context.catalogue.iter().position(|other| other.name == *name);
+    let found = alike.filter_map(|twin| Some((known(&twin.name)?, &twin.separated_by)));
+    found.filter(|(other, _)| !model.has(*other)).collect()
 }
 
 #[cfg(test)]

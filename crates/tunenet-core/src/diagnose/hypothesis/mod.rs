@@ -4,7 +4,6 @@ pub(in crate::diagnose) mod candidate_scores;
 pub(in crate::diagnose) mod catalogue;
 pub(in crate::diagnose) mod confusable_set;
 pub(in crate::diagnose) mod context;
-pub(in crate::diagnose) mod exact_twins;
 pub(in crate::diagnose) mod forward_selection;
 pub(in crate::diagnose) mod joint;
 pub(in crate::diagnose) mod multistart;
