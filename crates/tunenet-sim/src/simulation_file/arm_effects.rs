@@ -46,7 +46,7 @@ impl SimulationFile {
     /// The effects that the file of an arm with so many joints holds, in its order.
     ///
     /// # Errors
-    /// [`Error::File`] where a list has not one number for each joint.
+    /// [`Error::File`](tunenet_formats::Error::File) where a list has not one number for each joint.
     pub fn arm_effects(&self, joints: usize) -> Result<Vec<PresentArmEffect>> {
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Ok(Vec::new()) };
         let mut found = Vec::new();
@@ -76,7 +76,7 @@ impl SimulationFile {
     /// parameter of the file.
     ///
     /// # Errors
-    /// As [`add_arm_effect`](Self::add_arm_effect); [`Error::File`] as [`arm_effects`](Self::arm_effects).
+    /// As [`add_arm_effect`](Self::add_arm_effect); [`Error::File`](tunenet_formats::Error::File) as [`arm_effects`](Self::arm_effects).
     pub fn set_arm_value(&mut self, name: &str, value: f64, joints: usize) -> Result<()> {
         let parts: Vec<&str> = name.split('.').collect();
         if let (Some(_), Some((effect, key))) = (self.candidate(parts[0]), name.split_once('.')) {

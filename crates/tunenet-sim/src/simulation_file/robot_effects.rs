@@ -22,7 +22,7 @@ impl SimulationFile {
     /// The effects of the catalogue that the file of a robot holds, in its order.
     ///
     /// # Errors
-    /// [`Error::File`] where a list has not one number for each joint.
+    /// [`Error::File`](tunenet_formats::Error::File) where a list has not one number for each joint.
     pub fn robot_effects(&self) -> Result<Vec<PresentRobotEffect>> {
         let joints = self.robot()?.joints.len();
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Ok(Vec::new()) };
