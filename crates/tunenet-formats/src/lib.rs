@@ -94,7 +94,7 @@ pub use read::{files_of, read, refuse_unused_options};
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording, Role};
 pub use rollout_file::{RolloutFile, RolloutFileUse};
 pub use shown::{shell_word, shown_path};
-pub use source::{open, read_bytes};
+pub use source::{Version, open, read_bytes};
 pub use tunenet_core::Action;
 pub(crate) use tunenet_core::Origin;
 pub use units::UnitRule;

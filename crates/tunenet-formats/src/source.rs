@@ -112,7 +112,7 @@ fn same(path: &Path, before: &Version) -> Result<()> {
 
 /// What distinguishes one state of a file from another.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Version {
+pub struct Version {
     bytes: u64,
     /// `None` where the system does not report it.
     modified: Option<SystemTime>,
@@ -121,7 +121,6 @@ pub(crate) struct Version {
 }
 
 /// A change is at least so old before a time of change distinguishes it from the next one: file systems count in steps of up to 2 s.
-#[cfg(feature = "logs")]
 const SETTLED: std::time::Duration = std::time::Duration::from_secs(3);
 
 impl Version {
@@ -129,13 +128,12 @@ impl Version {
     ///
     /// # Errors
     /// [`Error::Io`] where the system refuses.
-    #[cfg(feature = "logs")]
     pub fn at(path: &Path) -> Result<Self> {
         std::fs::metadata(path).map(|about| Self::of(&about)).map_err(|e| Error::io(path, Action::Opening, e))
     }
 
     /// Whether a later change would be another version.
-    #[cfg(feature = "logs")]
+    #[must_use]
     pub fn settled(&self) -> bool {
         self.modified.and_then(|at| at.elapsed().ok()).is_some_and(|age| age > SETTLED)
     }

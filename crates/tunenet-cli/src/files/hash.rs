@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, SystemTime};
 
 use anyhow::Result;
 use sha2::{Digest, Sha256};
 use toml_edit::{Array, InlineTable};
-use tunenet_formats::{Action, Error, files_of, open, shown_path};
+use tunenet_formats::{Action, Error, Version, files_of, open, shown_path};
 
 use super::names::{file_name, pictures};
 
@@ -41,32 +40,22 @@ fn files(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(if pictures.is_empty() { files_of(path)? } else { pictures })
 }
 
-/// A file as it was hashed.
-struct Hashed {
-    bytes: u64,
-    modified: SystemTime,
-    digest: [u8; 32],
-}
-
-/// The files of episodes that were hashed: one of a data set holds thousands of them.
-static HASHED: Mutex<BTreeMap<PathBuf, Hashed>> = Mutex::new(BTreeMap::new());
-
-/// Since when a file has to be unchanged for its hash to be kept: a change within the steps of a file system's clock does not show.
-const SETTLED: Duration = Duration::from_secs(3);
+/// The files of episodes that were hashed, each as it was then: one of a data set holds thousands of them.
+static HASHED: Mutex<BTreeMap<PathBuf, (Version, [u8; 32])>> = Mutex::new(BTreeMap::new());
 
 /// The digest of a file that other episodes may stand in as well: hashed once, as long as it does not change.
 fn shared(path: &Path) -> Result<[u8; 32]> {
-    let about = std::fs::metadata(path).map_err(|source| Error::io(path, Action::Opening, source))?;
-    let (bytes, modified) = (about.len(), about.modified().ok());
+    let version = Version::at(path)?;
     let mut all = HASHED.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = all.get(path).filter(|known| known.bytes == bytes && Some(known.modified) == modified) {
-        return Ok(known.digest);
+    if let Some((_, digest)) = all.get(path).filter(|(known, _)| *known == version) {
+        return Ok(*digest);
     }
     let mut hasher = Sha256::new();
     digest(path, &mut hasher)?;
     let digest = hasher.finalize().into();
-    if let Some(modified) = modified.filter(|at| at.elapsed().is_ok_and(|age| age > SETTLED)) {
-        all.insert(path.to_owned(), Hashed { bytes, modified, digest });
+    // A change that follows at the same time of change would not show.
+    if version.settled() {
+        all.insert(path.to_owned(), (version, digest));
     }
     Ok(digest)
 }
@@ -134,6 +123,8 @@ fn length(path: &Path) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use std::time::{Duration, SystemTime};
+
     use super::*;
 
     /// A data set of LeRobot whose episodes stand in one file, of which nothing is read here.
