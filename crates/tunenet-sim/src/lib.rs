@@ -52,6 +52,7 @@ pub mod robot_changes;
 pub mod scene;
 pub mod shot;
 pub mod simulation_file;
+mod valid_range;
 pub mod video_ball;
 pub mod video_drops;
 

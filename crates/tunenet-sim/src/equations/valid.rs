@@ -4,11 +4,12 @@ use super::Misfit;
 use super::body::States;
 use super::law::Quantity;
 use crate::scene::{Candidate, EquationsScene};
+use crate::valid_range::LeftRange;
 
 /// A range of one candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Range {
-    pub name: String,
+    name: String,
     quantity: Quantity,
     low: f64,
     high: f64,
@@ -34,24 +35,16 @@ pub(crate) fn ranges(scene: &EquationsScene, name: &str, candidate: &Candidate) 
     candidate.valid.iter().map(one).collect()
 }
 
-/// Where a rollout leaves a range first.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Left {
-    pub name: String,
-    pub value: f64,
-    pub time_s: f64,
-    pub range: (f64, f64),
-}
-
 /// The first of `ranges` that states, row-major at these instants, leave.
-pub(crate) fn left(ranges: &[Range], clock_s: &[f64], states: &[f64]) -> Option<Left> {
+pub(crate) fn left(ranges: &[Range], clock_s: &[f64], states: &[f64]) -> Option<LeftRange> {
     let count = states.len() / clock_s.len().max(1);
     states.chunks_exact(count.max(1)).zip(clock_s).find_map(|(row, t)| {
         let values: Vec<f64> = row.iter().copied().chain([*t]).collect();
         ranges.iter().find_map(|range| {
             let value = range.quantity.value(&values);
             let within = (range.low..=range.high).contains(&value);
-            (!within).then(|| Left { name: range.name.clone(), value, time_s: *t, range: (range.low, range.high) })
+            let left = || LeftRange { variable: range.name.clone(), value, time_s: *t, range: (range.low, range.high) };
+            (!within).then(left)
         })
     })
 }
@@ -68,7 +61,7 @@ mod tests {
         let clock = range("t_s", Quantity::Slot(2), 0.0, 1.5);
         let (instants, states) = ([0.0, 1.0, 2.0], [0.0, 1.0, 3.0, 4.0, 0.0, 0.0]);
         let found = left(&[distance.clone(), clock.clone()], &instants, &states).expect("one is left");
-        assert_eq!((found.name.as_str(), found.value, found.time_s, found.range), ("r_m", 5.0, 1.0, (0.0, 4.9)));
+        assert_eq!((found.variable.as_str(), found.value, found.time_s, found.range), ("r_m", 5.0, 1.0, (0.0, 4.9)));
         let found = left(&[clock], &instants, &states).expect("the clock is left");
         assert_eq!((found.value, found.time_s), (2.0, 2.0));
         assert_eq!(left(&[distance], &instants[..1], &states[..2]), None);

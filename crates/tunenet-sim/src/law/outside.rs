@@ -4,9 +4,9 @@ use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Preparation, Simulator};
 use tunenet_formats::Result;
 
+use crate::SimulationFile;
 use crate::equations::valid::{Range, left, ranges};
 use crate::observed_equations::equations_of;
-use crate::{SimulationFile, findings};
 
 /// A warning for every effect of equations that a simulation of these recordings takes out of its range; none of another kind of file.
 /// `files` has a file for each setup of the recordings.
@@ -18,6 +18,7 @@ pub fn outside(files: &[&SimulationFile], recordings: &[&Observation]) -> Result
     let mut acting: Vec<(String, Vec<Range>)> = Vec::new();
     for effect in files[0].effects() {
         let Some(candidate) = scene.candidates.get(&effect.name) else { continue };
+        // Reading the file refuses ranges that are none.
         let ranges = ranges(scene, &effect.name, candidate).unwrap_or_default();
         if !ranges.is_empty() {
             acting.push((effect.name.clone(), ranges));
@@ -40,15 +41,9 @@ pub fn outside(files: &[&SimulationFile], recordings: &[&Observation]) -> Result
             continue;
         }
         acting.retain(|(name, ranges)| {
-            let Some(left) = left(ranges, clock, &states) else { return true };
-            let (low, high) = left.range;
-            let text = format!(
-                "`{}` is {:.3} at {:.3} s; the formula of `{name}` was seen to hold from {low} to {high}",
-                left.name, left.value, left.time_s
-            );
-            let remedy = "rely on it within the range only, or record there and diagnose again";
-            notes.push(Note::new(findings::EFFECT_OUTSIDE, text, remedy));
-            false
+            let left = left(ranges, clock, &states);
+            notes.extend(left.as_ref().map(|left| left.note(name)));
+            left.is_none()
         });
     }
     Ok(notes)

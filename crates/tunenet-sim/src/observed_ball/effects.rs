@@ -11,8 +11,8 @@ use super::acting::Acting;
 use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, SCATTER};
-use crate::findings;
 use crate::scene::BallParameters;
+use crate::valid_range::LeftRange;
 
 /// What the spin of a throw does in the air.
 const SPIN: &str = "magnus";
@@ -149,18 +149,12 @@ impl ObservedBall {
         let place = |i: usize| Vector::new(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
         for (effect, values) in &self.fixed {
             let Some(force) = effect.force(values) else { continue };
-            let outside = (1..clock.len()).find_map(|i| {
+            let left = (1..clock.len()).find_map(|i| {
                 let v = (place(i) - place(i - 1)) / (clock[i] - clock[i - 1]);
-                Some((clock[i], force.outside(clock[i], place(i), v)?))
+                let (variable, value, range) = force.outside(clock[i], place(i), v)?;
+                Some(LeftRange { variable: variable.into(), value, time_s: clock[i], range })
             });
-            if let Some((time, (variable, value, (low, high)))) = outside {
-                let text = format!(
-                    "`{variable}` is {value:.3} at {time:.3} s; the formula of `{}` was seen to hold from {low} to {high}",
-                    effect.name()
-                );
-                let remedy = "rely on it within the range only, or record there and diagnose again";
-                notes.push(Note::new(findings::EFFECT_OUTSIDE, text, remedy));
-            }
+            notes.extend(left.map(|left| left.note(effect.name())));
         }
         notes
     }
