@@ -1,5 +1,6 @@
 //! A recording made ready for one simulator.
 
+use std::iter::repeat_n;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -55,6 +56,14 @@ impl Prepared {
     #[must_use]
     pub fn driven(&self) -> bool {
         self.memoryless && self.nuisances.is_empty()
+    }
+
+    /// The same recording for a simulator with so many further parameters, of which it knows nothing beforehand.
+    pub(crate) fn with_parameters(&self, more: usize) -> Self {
+        let mut prepared = self.clone();
+        prepared.local.extend(repeat_n(None, more));
+        prepared.silent.extend(repeat_n(None, more));
+        prepared
     }
 
     /// The standard deviation of the prior of nuisance parameter `i`.

@@ -29,6 +29,7 @@ pub use channel_gaps::{ChannelGap, over_recordings};
 pub use evidence::{Comparison, Detail, Evidence, evidence};
 pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
+pub(crate) use tied::{note as note_tied, tied_near};
 
 pub use crate::estimate::{
     Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Phase, Point, Problem,
@@ -255,29 +256,6 @@ pub(crate) fn estimates_near(
     Ok(Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())))
 }
 
-/// Names of numbers of which recordings determine a combination only, near a fit of another search: parameters, and what the
-/// simulation states. `simulator` has the effects of that search; rollouts are counted in `log`.
-///
-/// # Errors
-/// Where the simulator refuses.
-pub(crate) fn tied_near(
-    simulator: &dyn Simulator,
-    mut recordings: Vec<Prepared>,
-    near: &Point,
-    log: &RolloutLog,
-) -> Result<Vec<Vec<String>>> {
-    for recording in &mut recordings {
-        let more = simulator.parameters().len().saturating_sub(recording.silent.len());
-        *recording = omitted_effect::with_parameters(recording, more);
-    }
-    let free = free(simulator.parameters(), &recordings);
-    channel_weights::weigh(simulator, &mut recordings, &free, log)?;
-    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-    tied::tied(&Problem { simulator, recordings: &recordings, noise: &noise, free: &free, log: Some(log) }, near)
-}
-
-pub(crate) use tied::note as note_tied;
-
 /// How well the free parameters of a fit are known.
 struct Uncertainty {
     scale: ScaleEstimate,
@@ -376,25 +354,6 @@ impl Tuning<'_> {
             }
         }
         Ok(Uncertainty { scale, known, interval95, calibration })
-    }
-
-    /// Numbers of which the recordings determine a combination only, by their names: parameters, and what the simulation states. What
-    /// effects state anew is noted here; directions of parameters alone are noted with them.
-    fn tied(&self, fit: &Fit, known: &Information, notes: &mut Vec<Note>) -> Result<Vec<Vec<String>>> {
-        let name = |i: usize| self.simulator.parameters()[self.free[i]].name.clone();
-        let mut all: Vec<Vec<String>> =
-            known.directions.iter().map(|direction| direction.parts().into_iter().map(name).collect()).collect();
-        if self.settings.finish && !self.settings.quick && !fit.cut_short {
-            let rest = self.log.remainder();
-            let found = tied::tied(&Problem { log: Some(&rest), ..self.problem() }, &fit.point);
-            self.log.add(rest.count());
-            if !rest.was_short() {
-                let found = found?;
-                notes.extend(found.iter().map(|group| tied::note(group)));
-                all.extend(found);
-            }
-        }
-        Ok(all)
     }
 
     /// The network's iterations from `start`, and where they end.

@@ -4,8 +4,6 @@
 //! excludes the truth. Everything is fitted again with its coefficient free; where that fit is better by more than chance, the interval
 //! reaches to where the other fit puts the parameter.
 
-use std::iter::repeat_n;
-
 use crate::Result;
 use crate::estimate::{Fit, Interval, Problem, ScaleEstimate};
 use crate::findings;
@@ -55,7 +53,7 @@ fn omission(
     let simulator = problem.simulator.with_effects(&[&effect.name])?;
     let before = problem.simulator.parameters().len();
     let added = before..simulator.parameters().len();
-    let recordings: Vec<Prepared> = problem.recordings.iter().map(|one| with_parameters(one, added.len())).collect();
+    let recordings: Vec<Prepared> = problem.recordings.iter().map(|one| one.with_parameters(added.len())).collect();
     let free: Vec<usize> = problem.free.iter().copied().chain(added.clone()).collect();
     let mut start = fit.point.clone();
     let typical = effect.coefficients.iter().map(|c| (c.absent + c.typical).clamp(c.min, c.max));
@@ -112,14 +110,6 @@ fn omission(
         )
     });
     Ok(note.map(|note| Omission { moves, note }))
-}
-
-/// The same recording for a simulator with so many further parameters.
-pub(super) fn with_parameters(recording: &Prepared, more: usize) -> Prepared {
-    let mut prepared = recording.clone();
-    prepared.local.extend(repeat_n(None, more));
-    prepared.silent.extend(repeat_n(None, more));
-    prepared
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::omitted_effect::with_parameters;
+use super::{Tuning, channel_weights};
 use crate::Result;
-use crate::estimate::{Point, Problem};
+use crate::estimate::{Fit, Information, Point, Problem, RolloutLog, free, weights};
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::{Effect, Prepared, Simulator};
@@ -20,7 +20,7 @@ const MOST: usize = 3;
 ///
 /// # Errors
 /// Where the simulator refuses an effect or the point.
-pub(crate) fn tied(problem: &Problem, point: &Point) -> Result<Vec<Vec<String>>> {
+fn tied(problem: &Problem, point: &Point) -> Result<Vec<Vec<String>>> {
     let restating: Vec<Effect> = problem.simulator.effects().into_iter().filter(|e| !e.restates.is_empty()).collect();
     if restating.is_empty() || problem.free.is_empty() {
         return Ok(Vec::new());
@@ -29,7 +29,7 @@ pub(crate) fn tied(problem: &Problem, point: &Point) -> Result<Vec<Vec<String>>>
     let simulator = problem.simulator.with_effects(&effects)?;
     let before = problem.simulator.parameters().len();
     let added = before..simulator.parameters().len();
-    let recordings: Vec<Prepared> = problem.recordings.iter().map(|one| with_parameters(one, added.len())).collect();
+    let recordings: Vec<Prepared> = problem.recordings.iter().map(|one| one.with_parameters(added.len())).collect();
     let free: Vec<usize> = problem.free.iter().copied().chain(added.clone()).collect();
     let with = Problem {
         simulator: simulator.as_ref(),
@@ -47,6 +47,48 @@ pub(crate) fn tied(problem: &Problem, point: &Point) -> Result<Vec<Vec<String>>>
     let stated = restating.iter().flat_map(|effect| effect.restates.iter().map(ToString::to_string));
     let names: Vec<String> = own.chain(stated).collect();
     Ok(groups(&information).into_iter().map(|group| group.into_iter().map(|i| names[i].clone()).collect()).collect())
+}
+
+/// Names of numbers of which recordings determine a combination only, near a fit of another search: parameters, and what the
+/// simulation states. `simulator` has the effects of that search; rollouts are counted in `log`.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(crate) fn tied_near(
+    simulator: &dyn Simulator,
+    mut recordings: Vec<Prepared>,
+    near: &Point,
+    log: &RolloutLog,
+) -> Result<Vec<Vec<String>>> {
+    for recording in &mut recordings {
+        let more = simulator.parameters().len().saturating_sub(recording.silent.len());
+        *recording = recording.with_parameters(more);
+    }
+    let free = free(simulator.parameters(), &recordings);
+    channel_weights::weigh(simulator, &mut recordings, &free, log)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
+    tied(&Problem { simulator, recordings: &recordings, noise: &noise, free: &free, log: Some(log) }, near)
+}
+
+impl Tuning<'_> {
+    /// Numbers of which the recordings determine a combination only, by their names: parameters, and what the simulation states. What
+    /// effects state anew is noted here; directions of parameters alone are noted with them.
+    pub(super) fn tied(&self, fit: &Fit, known: &Information, notes: &mut Vec<Note>) -> Result<Vec<Vec<String>>> {
+        let name = |i: usize| self.simulator.parameters()[self.free[i]].name.clone();
+        let mut all: Vec<Vec<String>> =
+            known.directions.iter().map(|direction| direction.parts().into_iter().map(name).collect()).collect();
+        if self.settings.finish && !self.settings.quick && !fit.cut_short {
+            let rest = self.log.remainder();
+            let found = tied(&Problem { log: Some(&rest), ..self.problem() }, &fit.point);
+            self.log.add(rest.count());
+            if !rest.was_short() {
+                let found = found?;
+                notes.extend(found.iter().map(|group| note(group)));
+                all.extend(found);
+            }
+        }
+        Ok(all)
+    }
 }
 
 /// What a person should know of such a group.
