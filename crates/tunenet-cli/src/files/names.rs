@@ -27,6 +27,12 @@ pub fn require_ending(out: &Path, flag: &'static str, endings: &[&str]) -> Resul
     Err(Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into())
 }
 
+/// Whether two files lie in one folder, whether these are there or not.
+pub fn in_one_folder(one: &Path, other: &Path) -> bool {
+    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
+    folder(one) == folder(other)
+}
+
 /// Whether a name stands for standard output in other programs.
 pub fn is_standard_output(out: &Path) -> bool {
     out.as_os_str() == "-"

@@ -5,13 +5,13 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_formats::write_atomically;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::simulation_file::Domain;
 
 use crate::answers::diagnose::{Answer, value_of};
 use crate::answers::improved::{UNFITTED, Written, improved, why_not};
 use crate::args::Diagnose;
 use crate::commands::models::{self, Intervals};
 use crate::view::json::ranges;
+use crate::view::text::stage;
 use crate::view::toml::diagnose::provenance;
 use crate::view::toml::law::provenance as law_provenance;
 
@@ -54,11 +54,13 @@ pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option
     Ok(Some(out))
 }
 
-/// Writes the models that were asked for, where there is an answer; of an arm, where friction was found.
+/// Writes the models that were asked for, where there is an answer.
 pub fn write_models(options: &Diagnose, answer: &Answer) -> Result<()> {
-    let named = |name: &str| answer.diagnosis.effects().iter().any(|one| one.effect.name.ends_with(name));
-    let arm = answer.loaded.objects[0].file.domain() == Domain::Arm;
-    if !options.models.asked() || why_not(answer).is_some() || arm && !named("_friction") {
+    if !options.models.asked() {
+        return Ok(());
+    }
+    if let Some(why) = why_not(answer) {
+        stage("model", &format!("not written: {why}"));
         return Ok(());
     }
     models::write(&options.models, &improved(answer, 0)?, &intervals(answer))

@@ -11,6 +11,7 @@ use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel, r
 
 use super::columns::{columns, held};
 use crate::args::Init;
+use crate::files::names::in_one_folder;
 
 /// The file of a robot, and what to type next.
 pub struct Started {
@@ -43,9 +44,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
 
 /// Next to the file the model's name does; else its whole path.
 fn seen_from(out: &Path, model: &Path) -> Result<PathBuf> {
-    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
-    let near = folder(out) == folder(model);
-    Ok(match model.file_name().filter(|_| near) {
+    Ok(match model.file_name().filter(|_| in_one_folder(out, model)) {
         Some(name) => name.into(),
         None => std::path::absolute(model)?,
     })

@@ -87,6 +87,7 @@ fn write_friction(options: &Models, file: &SimulationFile) -> Result<()> {
     let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
     let friction = arm.friction(&values);
     if friction.iter().all(|joint| joint.damping == 0.0 && joint.friction == 0.0) {
+        stage("model", "not written: the simulation has no joint friction");
         return Ok(());
     }
     put(out, &with_friction(&urdf_path(file)?, &friction)?)?;

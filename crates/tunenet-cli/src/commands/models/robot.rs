@@ -16,6 +16,7 @@ use tunenet_sim::robot_changes::{Intervals, RobotChanges, robot_changes};
 
 use super::put;
 use crate::args::Models;
+use crate::files::names::in_one_folder;
 use crate::view::text::stage;
 
 /// Writes the models of a robot with the numbers of its simulation.
@@ -61,8 +62,7 @@ fn write_model(out: &Path, options: &Models, file: &SimulationFile, found: &Robo
     if !file.robot()?.loads.is_empty() {
         stage("note", "loads of the simulation file are not in the model");
     }
-    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
-    if folder(out) != folder(&model) {
+    if !in_one_folder(out, &model) {
         let text = "the copy is in another folder than the model: meshes and other files that it names are looked for from there";
         stage("note", text);
     }
