@@ -94,3 +94,24 @@ fn backlash_leaves_half_its_gap_to_either_side_at_rest() {
     let found = rolled(&robot, still(), &[-0.3, 0.0], &[0.04], &[0.0, 3.0]);
     assert!((found[1] + 0.3).abs() < 1e-3, "{found:?}");
 }
+
+/// A command or a switch inside a step counts by its share, so that a delay of less than a step moves the motion in proportion. The goal
+/// is one that the duty is not limited at: the duty is limited for a step as a whole.
+#[test]
+fn derivatives_by_delays_do_not_vanish_inside_a_step() {
+    for (name, command_late) in [("release_delay", false), ("command_delay", true)] {
+        let robot = pendulum(0.6, 0.15, servo(), &[name], 0.001);
+        let goal =
+            || Input::sampled(Channel::new("goal", "rad"), Hold::Previous, vec![0.0, 0.5, 6.0], vec![0.0, 0.3, 0.3]);
+        let at = |delay: f64| {
+            // While the joint moves: once friction holds it, it has forgotten when the command came.
+            let (off, read) = if command_late { (9.0, 0.6) } else { (0.6, 0.9) };
+            rolled(&robot, vec![goal().unwrap(), on_until(off)], &[0.0; 2], &[delay], &[read])[0]
+        };
+        let slopes: Vec<f64> =
+            [0.0201, 0.0203, 0.0207].iter().map(|at_s| (at(at_s + 1e-4) - at(*at_s)) / 1e-4).collect();
+        let whole = (at(0.021) - at(0.020)) / 1e-3;
+        assert!(whole.abs() > 0.1, "{name}: {whole}");
+        assert!(slopes.iter().all(|slope| (slope / whole - 1.0).abs() < 0.1), "{name}: {slopes:?} {whole}");
+    }
+}
