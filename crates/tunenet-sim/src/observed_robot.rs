@@ -58,7 +58,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
     let entries: Vec<Effect> = effects.iter().map(|effect| effect.entry(&names, tuned)).collect();
     let layout = Layout {
-        roles: roles.clone(),
+        roles,
         effects: effects.clone(),
         readings: readings(scene, &order),
         starts: starts.iter().map(|(start, _)| *start).collect(),

@@ -24,6 +24,7 @@ fn akaike(session: &Session, law: &Law) -> f64 {
     session.gain(law) - NUMBER * chosen(law) as f64
 }
 
+/// How many factors a law of one term has.
 fn factors(law: &Law) -> Option<usize> {
     let [one] = law.terms.as_slice() else { return None };
     Some(one.factors.len())
@@ -32,14 +33,11 @@ fn factors(law: &Law) -> Option<usize> {
 /// The laws that lie within `margin` of the best by the criterion of Schwarz, `best`, or have substantial support by Akaike's with as many
 /// factors and at most one number more: those between which recordings do not decide.
 pub(super) fn near(session: &Session, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
-    let Some(lead) = laws.iter().max_by(|a, b| a.bic.total_cmp(&b.bic)).cloned() else { return laws };
-    let explained = akaike(session, &lead);
-    let leads = lead.bic >= best - margin;
-    let as_simple = |law: &Law| {
-        leads && factors(law).is_some() && factors(law) == factors(&lead) && chosen(law) <= chosen(&lead) + 1
-    };
-    let within =
-        |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= explained - SUBSTANTIAL;
+    let Some(lead) = laws.iter().max_by(|a, b| a.bic.total_cmp(&b.bic)) else { return laws };
+    let (leads, size, most) = (lead.bic >= best - margin, factors(lead), chosen(lead) + 1);
+    let least = akaike(session, lead) - SUBSTANTIAL;
+    let as_simple = |law: &Law| leads && size.is_some() && factors(law) == size && chosen(law) <= most;
+    let within = |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= least;
     laws.into_iter().filter(within).collect()
 }
 

@@ -377,19 +377,18 @@ mod tests {
     #[test]
     fn a_twin_comes_first_on_its_side_alone() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |plain| {
-            for (side, expected) in [(Side::Any, true), (Side::Above, true)] {
+            for side in [Side::Any, Side::Above] {
                 let context = with_twin(plain, side);
                 let base = fit_without_effects(&context).unwrap();
                 let mut found = search(&context, base, is_adequate, &|_| {}).unwrap();
                 add_exact_twins(&context, &mut found);
                 let rest = entry(&context, "rest_angle");
-                assert_eq!(found.places[0].others.first() == Some(&(rest, 0.0)), expected, "{side:?}");
+                assert_eq!(found.places[0].others.first(), Some(&(rest, 0.0)), "{side:?}");
                 let best = found.best.as_ref().unwrap();
-                let below = Hypothesis {
+                let mut below = Hypothesis {
                     structure: context.structure(&best.structure.effects).unwrap(),
                     fit: best.fit.clone(),
                 };
-                let mut below = below;
                 let own = below.structure.of_effect(0)[0];
                 below.fit.point.parameters[own] = -0.1;
                 let twins = confusable_set::exact_twins(&context, &below, found.places[0].entry);

@@ -97,7 +97,7 @@ pub fn edited(path: &Path, changes: &[Change]) -> Result<(String, Edited)> {
         return Err(Error::file(path, format!("expected the joints in this file, but {sentence}"), hint));
     }
     // The named file comes first, and is always there.
-    let text = edited.files.drain(..).next().map(|file| file.text).unwrap_or_default();
+    let text = std::mem::take(&mut edited.files).into_iter().next().map(|file| file.text).unwrap_or_default();
     Ok((text, edited))
 }
 
