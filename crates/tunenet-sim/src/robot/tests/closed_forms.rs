@@ -104,8 +104,8 @@ fn derivatives_by_delays_do_not_vanish_inside_a_step() {
         let goal =
             || Input::sampled(Channel::new("goal", "rad"), Hold::Previous, vec![0.0, 0.5, 6.0], vec![0.0, 0.3, 0.3]);
         let at = |delay: f64| {
-            // While the joint moves: once friction holds it, it has forgotten when the command came.
-            let (off, read) = if command_late { (9.0, 0.6) } else { (0.6, 0.9) };
+            // While the joint moves one way: where it turns, friction changes its sign between two steps.
+            let (off, read) = if command_late { (9.0, 0.56) } else { (0.56, 0.62) };
             rolled(&robot, vec![goal().unwrap(), on_until(off)], &[0.0; 2], &[delay], &[read])[0]
         };
         let slopes: Vec<f64> =
