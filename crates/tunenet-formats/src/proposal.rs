@@ -4,6 +4,8 @@
 //! radians or counts; any other step says how many degrees one in the file is, if the encoder has 4096 counts a turn, as those
 //! of the common bus servos (Feetech STS and Dynamixel X) have.
 
+use tunenet_core::observation::lattice_step;
+
 /// Counts a turn of the encoders of common bus servos.
 const COUNTS: f64 = 4096.0;
 
@@ -18,12 +20,6 @@ const NEAR: f64 = 1e-3;
 
 /// Fewest different readings that show a lattice.
 const FEWEST: usize = 16;
-
-/// Share of the differences that have to be whole steps.
-const MOSTLY: f64 = 0.98;
-
-/// How many differences are looked at.
-const MOST: usize = 20_000;
 
 /// A unit that numbers may be in.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +42,8 @@ pub(crate) fn proposal(readings: &[f64]) -> Proposal {
     }
     sorted.dedup();
     let range = format!("{low:.4} to {high:.4}");
-    match step(&sorted) {
+    let step = if sorted.len() < FEWEST { None } else { lattice_step(&sorted) };
+    match step {
         Some(step) => by_step(step, low, high, &range),
         None => by_range(low, high, &range),
     }
@@ -111,40 +108,6 @@ fn by_range(low: f64, high: f64, range: &str) -> Proposal {
         "counts"
     };
     Proposal { unit: None, why: format!("range {range} alone: {guess}") }
-}
-
-/// The step of the lattice on which different, rising readings lie; `None` where they lie on none.
-fn step(sorted: &[f64]) -> Option<f64> {
-    if sorted.len() < FEWEST {
-        return None;
-    }
-    let most = sorted[0].abs().max(sorted[sorted.len() - 1].abs());
-    // Readings in single precision are this far from what was measured.
-    let rounding = most * f64::from(f32::EPSILON);
-    let differences = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > 4.0 * rounding);
-    let mut differences: Vec<f64> = differences.take(MOST).collect();
-    differences.sort_by(f64::total_cmp);
-    let least = *differences.first()?;
-    // Neighbours may all be more than one step apart.
-    (1..=4).map(|parts| least / f64::from(parts)).find_map(|first| refined(first, &differences, rounding))
-}
-
-/// The step near `first` that the differences are whole numbers of, refined by each of them in turn.
-fn refined(first: f64, differences: &[f64], rounding: f64) -> Option<f64> {
-    let (mut products, mut squares, mut whole) = (first * 1e-3, 1e-3, 0);
-    for difference in differences {
-        let step = products / squares;
-        let count = (difference / step).round();
-        let off = (difference - count * step).abs();
-        if count >= 1.0 && off <= 0.1 * step + rounding && off <= 4.0 * rounding + 0.02 * step {
-            products += difference * count;
-            squares += count * count;
-            whole += 1;
-        }
-    }
-    let enough = f64::from(whole) >= MOSTLY * differences.len() as f64;
-    // A lattice as fine as the rounding holds everything.
-    (enough && products / squares > 16.0 * rounding).then_some(products / squares)
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use tunenet_core::Result;
-use tunenet_core::observation::{Check, Circumstances, Note, Observation, State, noise_sd, with_decimals};
+use tunenet_core::observation::{
+    Check, Circumstances, Note, Observation, State, lattice_step, noise_sd, with_decimals,
+};
 use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median};
 
@@ -104,14 +106,9 @@ fn without_jumps(layout: &Layout, seen: &Observation) -> Result<(Observation, us
     Ok((circumstances.map_or(cut.clone(), |known| cut.under(known)), jumps))
 }
 
-/// The smallest step between values: that of an encoder; 0 where there is none.
+/// The step of an encoder, 0 where the values show none.
 fn encoder_step(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let steps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 1e-9);
-    let least = steps.fold(f64::INFINITY, f64::min);
-    let on_grid = |v: &f64| ((v - values[0]) / least - ((v - values[0]) / least).round()).abs() < 0.05;
-    if least.is_finite() && values.iter().all(on_grid) { least } else { 0.0 }
+    lattice_step(values).unwrap_or(0.0)
 }
 
 /// The noise of a channel: that of its third differences, and of its encoder where that is larger.
