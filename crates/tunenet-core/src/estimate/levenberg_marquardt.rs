@@ -16,6 +16,11 @@ const TRUSTED: f64 = 0.3;
 const NEAR_SDS: f64 = 0.5;
 /// The step that is still to go is computed with no more damping than this: a strong one would hide it.
 const LIGHT_DAMPING: f64 = 1e-6;
+/// Where derivatives are off by more than what a step gains, as next to a kink or where much is left that the model cannot explain,
+/// steps go on for long. So many in a row end the fit, ...
+const SLOW_STEPS: usize = 3;
+/// ... if each gains less than this share of the residuals' mean square, which is what 0.03 standard deviations are worth.
+const SLOW_GAIN: f64 = 5e-4;
 /// Mean squares of residuals below this share of the noise are rounding.
 const LEAST_SQUARE: f64 = 1e-8;
 
@@ -102,7 +107,7 @@ pub(crate) fn minimise(
     seen: &mut dyn FnMut(&Point, &[Vec<f64>]),
 ) -> Result<Minimum> {
     let mut point = start;
-    let (mut damping, mut small_steps, mut rollouts, mut steps) = (settings.damping, 0, 0, 0);
+    let (mut damping, mut small_steps, mut slow_steps, mut rollouts, mut steps) = (settings.damping, 0, 0, 0, 0);
     let resolves = settings.resolution > 0.0;
     let mut exact = Exact::none();
     if settings.first_measured && resolves {
@@ -153,7 +158,9 @@ pub(crate) fn minimise(
         };
         let still = distance(problem, &point, &candidate) < settings.still;
         small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
-        let arrived = still || gain <= settings.tolerance_share * cost || small_steps >= settings.small_steps;
+        slow_steps = if resolves && gain <= SLOW_GAIN * square { slow_steps + 1 } else { 0 };
+        let small = small_steps >= settings.small_steps || slow_steps >= SLOW_STEPS;
+        let arrived = still || gain <= settings.tolerance_share * cost || small;
         let trusted = gain >= TRUSTED * promised;
         exact.moved_sds += (promised / square).sqrt();
         // So near, derivatives that were measured are better than those that follow the noise of a step.
