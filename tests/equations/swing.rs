@@ -105,3 +105,32 @@ fn values_that_no_rollout_can_follow_are_refused_in_a_sentence() {
     let json = folder.run("tune --sim equations.toml swing.csv --json").ends(0).json();
     assert!(!codes(&json).iter().any(|code| code.contains("refused")), "{json:#}");
 }
+
+/// Two channels of different units: the gap is in standard deviations of their noise, whatever the units are.
+#[test]
+fn a_gap_over_several_units_is_in_noise() {
+    let tuned = |scale: f64| {
+        let folder = Folder::new();
+        folder.write(
+            "fall.toml",
+            format!(
+                "kind = \"equations\"\n[states]\n[states.v_m_s]\n[start.v_m_s]\nvalue = 0.0\n[derivatives]\nv_m_s = \"a\"\n\
+                 [outputs]\nv_m_s = \"v_m_s\"\nspeed_v = \"k * v_m_s\"\n[constants]\nk = {scale}\n\
+                 [parameters.a]\nvalue = 2.0\nmin = 0.0\nmax = 9.0\nunit = \"m/s²\"\n"
+            ),
+        );
+        let (mut noise, mut text) = (Noise(3), String::from("t_s,v_m_s,speed_v\n"));
+        for i in 0..200 {
+            let t = f64::from(i) * 0.01;
+            let (v, volts) = (3.0 * t + 0.01 * noise.normal(), scale * (3.0 * t + 0.02 * noise.normal()));
+            writeln!(text, "{t},{v},{volts}").unwrap();
+        }
+        folder.write("fall.csv", text);
+        folder.run("tune --sim fall.toml fall.csv --json").ends(0).json()["gap"].clone()
+    };
+    let (gap, other) = (tuned(100.0), tuned(0.01));
+    let of = |gap: &serde_json::Value, key: &str| gap[key].as_f64().unwrap();
+    assert_eq!((gap["unit"].as_str(), of(&gap, "noise_floor")), (Some("σ"), 1.0));
+    assert!((of(&gap, "after") - 1.0).abs() < 0.15 && of(&gap, "before") > 20.0, "{gap}");
+    assert!((of(&gap, "before") / of(&other, "before") - 1.0).abs() < 1e-3, "{gap} {other}");
+}

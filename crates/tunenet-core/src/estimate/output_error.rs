@@ -152,15 +152,19 @@ impl Problem<'_> {
         residuals(&window, point)
     }
 
-    /// Root mean square of measured − predicted in the channels' own unit, a sample of several channels counted once.
+    /// Root mean square of measured − predicted in the unit of all channels, a sample of several channels counted once; where units
+    /// differ, of residuals over the noise of their channels ([`gap_unit`](crate::observation::gap_unit)).
     #[must_use]
     pub fn rmse(&self, residuals: &[Vec<f64>]) -> f64 {
-        let (mut squares, mut samples) = (0.0, 0);
-        for (residual, noise) in residuals.iter().zip(self.noise) {
-            squares += residual.iter().enumerate().map(|(i, r)| (r * noise[i % noise.len()]).powi(2)).sum::<f64>();
-            samples += residual.len() / noise.len();
+        let (mut squares, mut samples) = (0.0, 0.0);
+        for ((residual, noise), recording) in residuals.iter().zip(self.noise).zip(self.recordings) {
+            let width = noise.len();
+            let one_unit = recording.seen.common_unit().is_some();
+            let unit = |i: usize| if one_unit { noise[i % width] } else { 1.0 };
+            squares += residual.iter().enumerate().map(|(i, r)| (r * unit(i)).powi(2)).sum::<f64>();
+            samples += if one_unit { residual.len() / width } else { residual.len() } as f64;
         }
-        (squares / samples as f64).sqrt()
+        (squares / samples).sqrt()
     }
 
     /// Derivatives of the residuals at `fit`: those that its last step measured, where it has them.

@@ -42,6 +42,20 @@ pub const FEWEST_SAMPLES: usize = 3;
 /// its square, and a sum of such squares over tiny noise, is a number still.
 pub const GREATEST: f64 = 1e100;
 
+/// The unit of all these channels; `None` where they differ, or where there are none.
+#[must_use]
+pub fn common_unit(channels: &[Channel]) -> Option<&str> {
+    let first = channels.first()?;
+    channels.iter().all(|channel| channel.unit == first.unit).then_some(first.unit.as_str())
+}
+
+/// The unit of a root mean square over these channels: theirs, or σ where they have several. Each residual is then divided by the
+/// standard deviation of its channel's noise, so that noise alone leaves 1 σ.
+#[must_use]
+pub fn gap_unit(channels: &[Channel]) -> &str {
+    common_unit(channels).unwrap_or("σ")
+}
+
 /// What kind of thing was measured. Decides what the channels and the clock mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -215,6 +229,12 @@ impl Observation {
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// The unit of all channels; `None` where they differ.
+    #[must_use]
+    pub fn common_unit(&self) -> Option<&str> {
+        common_unit(&self.channels)
     }
 
     /// The clock: seconds, or the number of the event for [`Kind::EventTimes`]. Strictly rising.

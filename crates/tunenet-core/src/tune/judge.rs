@@ -172,10 +172,18 @@ impl Tuning<'_> {
         fell
     }
 
+    /// What noise alone leaves, as [`Problem::rmse`](crate::estimate::Problem::rmse) counts it.
     pub(super) fn noise_floor(&self) -> f64 {
-        let squares: f64 =
-            self.recordings.iter().map(|r| r.seen.len() as f64 * floor(r).iter().map(|s| s * s).sum::<f64>()).sum();
-        (squares / self.recordings.iter().map(|r| r.seen.len()).sum::<usize>() as f64).sqrt()
+        let (mut squares, mut samples) = (0.0, 0.0);
+        for (recording, weights) in self.recordings.iter().zip(self.noise) {
+            let one_unit = recording.seen.common_unit().is_some();
+            let unit = |weight: f64| if one_unit { 1.0 } else { weight };
+            let square: f64 = floor(recording).iter().zip(weights).map(|(sd, w)| (sd / unit(*w)).powi(2)).sum();
+            let rows = recording.seen.len() as f64;
+            squares += rows * square;
+            samples += if one_unit { rows } else { rows * weights.len() as f64 };
+        }
+        (squares / samples).sqrt()
     }
 
     /// The answer for every parameter to tune. One on which nothing depends keeps its value.

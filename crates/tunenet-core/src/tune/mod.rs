@@ -46,7 +46,7 @@ use nalgebra::DMatrix;
 use crate::estimate::{GridPoint, curved, ends_with, weights};
 use crate::findings;
 use crate::network::Model;
-use crate::observation::{Note, Observation};
+use crate::observation::{Note, Observation, gap_unit};
 use crate::simulator::{Preparation, Prepared, Simulator};
 use crate::{Error, Origin, Result};
 
@@ -446,7 +446,7 @@ impl Tuning<'_> {
             self.report_misfit(&fit, poor, &mut notes);
         }
         let gap = Gap {
-            unit: self.simulator.channels()[0].unit.clone(),
+            unit: gap_unit(self.simulator.channels()).to_owned(),
             before: gap_before,
             after: problem.rmse(&fit.residuals),
             noise_floor: self.noise_floor(),

@@ -82,7 +82,7 @@ pub struct Iteration {
 /// How far simulation and measurement lie apart, as a root mean square.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
-    /// The unit of all three.
+    /// The unit of all three: that of the channels, or σ ([`gap_unit`](crate::observation::gap_unit)).
     pub unit: String,
     /// With the parameters as they were, each recording's nuisance parameters fitted.
     pub before: f64,

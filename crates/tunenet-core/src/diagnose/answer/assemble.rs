@@ -21,7 +21,7 @@ use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::diagnose::{Recording, Subject};
 use crate::estimate::{Point, RolloutLog};
 use crate::findings;
-use crate::observation::Note;
+use crate::observation::{Note, gap_unit};
 use crate::simulator::{Parameter, Phase, Preparation, Prepared};
 use crate::statistics::NORMAL_95;
 use crate::tune::{estimates_near, note_tied, tied_near};
@@ -222,7 +222,7 @@ fn gap(judged: &Judgement, spared: Option<&Spared>) -> Result<Gap> {
         Some(Change { before: of(before), after: if judged.reports_effects() { of(after) } else { of(before) } })
     };
     Ok(Gap {
-        unit: context.subjects[0].simulator.channels()[0].unit.clone(),
+        unit: gap_unit(context.subjects[0].simulator.channels()).to_owned(),
         of: GapOf::Recordings,
         before,
         after: if judged.reports_effects() { left } else { before },

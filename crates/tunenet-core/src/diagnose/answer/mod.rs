@@ -126,7 +126,7 @@ pub enum GapOf {
 /// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
-    /// The unit of all.
+    /// The unit of all: that of the channels, or σ ([`gap_unit`](crate::observation::gap_unit)).
     pub unit: String,
     /// What all these were measured on.
     pub of: GapOf,

@@ -14,6 +14,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::strategy::Scope;
+use crate::observation::common_unit;
 
 /// The verdict of each object that has recordings to fit, in order; of a single one that of the whole.
 pub(in crate::diagnose) fn by_object(judged: &Judgement, intervals: &Intervals) -> Vec<OfObject> {
@@ -118,7 +119,7 @@ pub(in crate::diagnose) fn gaps(explained: &[Explained]) -> Vec<PartGap> {
     let of = |object: usize| {
         let mine: Vec<&Explained> = explained.iter().filter(|one| one.object == object).collect();
         let channels = mine.first().map_or(&[][..], |one| one.seen.channels());
-        let alike = channels.windows(2).all(|pair| pair[0].unit == pair[1].unit);
+        let alike = common_unit(channels).is_some();
         let whole = (alike && channels.len() > 1).then_some(None);
         let parts: Vec<Option<usize>> = whole.into_iter().chain((0..channels.len()).map(Some)).collect();
         parts.into_iter().filter_map(|channel| part_gap(&mine, channel)).collect::<Vec<_>>()

@@ -101,15 +101,17 @@ impl Evidence {
 }
 
 /// Root mean square of plain residuals from the share `from` of each recording on, a sample of several channels counted
-/// once; what is set aside does not count.
+/// once, or where units differ of residuals over the noise of their channels; what is set aside does not count.
 pub(in crate::diagnose) fn rmse(sets: &[Set], plain: &[Vec<f64>], from: f64) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
     for (set, values) in sets.iter().zip(plain) {
         let begin = from * values.len() as f64;
+        let (yardsticks, width) = (set.yardsticks(), set.width());
         let kept = values.iter().enumerate().filter(|(i, _)| set.keep[*i] && *i as f64 >= begin);
-        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (_, v)| (sum + v * v, count + 1.0));
+        let square = |i: usize, v: f64| (v / yardsticks[i % width]).powi(2);
+        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (i, v)| (sum + square(i, *v), count + 1.0));
         squares += sum;
-        samples += count / set.width() as f64;
+        samples += count / set.values_per_sample();
     }
     if samples > 0.0 { (squares / samples).sqrt() } else { 0.0 }
 }

@@ -197,6 +197,17 @@ impl PreparedRecording {
         self.noise.len()
     }
 
+    /// What plain residuals of each channel are divided by before they are put together: 1 where all have one unit, else the noise as
+    /// measured.
+    pub(in crate::diagnose) fn yardsticks(&self) -> Vec<f64> {
+        if self.prepared.seen.common_unit().is_some() { vec![1.0; self.width()] } else { self.measured_noise.clone() }
+    }
+
+    /// How many values are one sample of a root mean square: those of all channels as one distance where they have one unit.
+    pub(in crate::diagnose) fn values_per_sample(&self) -> f64 {
+        if self.prepared.seen.common_unit().is_some() { self.width() as f64 } else { 1.0 }
+    }
+
     pub(in crate::diagnose) fn clock(&self) -> &[f64] {
         self.prepared.seen.clock()
     }

@@ -89,10 +89,10 @@ pub(in crate::diagnose) fn leaves_too_much(context: &Context<'_>, found: &Select
 pub(in crate::diagnose) fn noise_floor(sets: &[Set]) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
     for set in sets {
-        let width = set.width();
+        let (yardsticks, width) = (set.yardsticks(), set.width());
         let kept = set.keep.iter().enumerate().filter(|(_, keep)| **keep);
-        squares += kept.map(|(i, _)| set.noise[i % width].powi(2)).sum::<f64>();
-        samples += set.count() as f64 / width as f64;
+        squares += kept.map(|(i, _)| (set.noise[i % width] / yardsticks[i % width]).powi(2)).sum::<f64>();
+        samples += set.count() as f64 / set.values_per_sample();
     }
     squares / f64::max(samples, 1.0)
 }

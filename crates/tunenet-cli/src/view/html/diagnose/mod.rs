@@ -160,7 +160,9 @@ fn evidence(answer: &Answer) -> Markup {
                     figure { figcaption.above { "Held out, one by one" } (pairs(&held, Some((gap.noise_floor, "noise floor")), "held-out gap of each recording")) }
                 }
                 p.how {
-                    "Root mean square of measured \u{2212} simulated, all channels as one distance"
+                    "Root mean square of measured \u{2212} simulated, "
+                    @if same_unit(answer) { "all channels as one distance" }
+                    @else { "each channel in standard deviations of its noise (\u{3c3}), since their units differ" }
                     @if gap.of == GapOf::Events { ", with flights straightened, so that contacts alone count" }
                     @if gap.of == GapOf::Segments { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
                         "nothing of how well a whole recording is predicted" }
@@ -176,6 +178,11 @@ fn evidence(answer: &Answer) -> Markup {
             (parts(answer))
         }
     }
+}
+
+/// Whether all channels of all recordings have one unit.
+fn same_unit(answer: &Answer) -> bool {
+    answer.loaded.recorded.iter().all(|recorded| recorded.seen.common_unit().is_some())
 }
 
 /// The gap of each object, or of each channel, where that says more than the one of all.
@@ -228,12 +235,15 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<Pair> {
     .collect()
 }
 
-/// Root mean square of what counted, a sample of several channels counted once.
+/// Root mean square of what counted, in the unit of the gap: a sample of several channels counted once where they have one unit.
 fn distance(one: &Explained, residual: &[f64]) -> f64 {
     let width = one.noise.len();
+    let one_unit = one.seen.common_unit().is_some();
+    let value = |c: usize| if one_unit { one.noise[c] } else { one.noise[c] / one.measured_noise[c] };
     let counted = residual.iter().enumerate().filter(|(i, _)| one.kept[*i]);
-    let (sum, count) = counted.fold((0.0, 0.0), |(s, n), (i, r)| (s + (r * one.noise[i % width]).powi(2), n + 1.0));
-    (sum * width as f64 / f64::max(count, 1.0)).sqrt()
+    let (sum, count) = counted.fold((0.0, 0.0), |(s, n), (i, r)| (s + (r * value(i % width)).powi(2), n + 1.0));
+    let values_per_sample = if one_unit { width as f64 } else { 1.0 };
+    (sum * values_per_sample / f64::max(count, 1.0)).sqrt()
 }
 
 /// What was fitted, and whether what is left is noise.
