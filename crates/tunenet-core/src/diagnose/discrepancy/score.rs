@@ -83,7 +83,7 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
     let effects = [model.structure.effects.as_slice(), &[entry]].concat();
     let structure = match context.structure(&effects) {
         Ok(structure) => structure,
-        Err(error) => return none(Exclusion::Refused(error.to_string())),
+        Err(error) => return none(Exclusion::refused(&error)),
     };
     let joint = context.joint(&structure);
     let known = model.structure.globals.len();
@@ -112,7 +112,7 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
             let found = match joint.residuals(&tried, 1.0) {
                 Ok(found) => found.concat(),
                 Err(error) => {
-                    refused = Some(Exclusion::Refused(error.to_string()));
+                    refused = Some(Exclusion::refused(&error));
                     continue;
                 }
             };

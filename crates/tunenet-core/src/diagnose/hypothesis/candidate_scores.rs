@@ -124,7 +124,7 @@ pub(in crate::diagnose) fn score_candidates<'a>(
                         trial.gain = gain(context, model, &fitted, model.scale());
                         trial.model = Some(fitted);
                     }
-                    Err(error) => trial.excluded = Some(Exclusion::Refused(error.to_string())),
+                    Err(error) => trial.excluded = Some(Exclusion::refused(&error)),
                 }
             }
             trial
@@ -140,7 +140,7 @@ fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Pr
     let (start, others) = (Vec::new(), Vec::new());
     let mut scored = Scored { entry, columns, span, predicted: none, expected: none, excluded: None, start, others };
     if let Err(error) = try_score(context, &mut scored, model, projector, left) {
-        scored.excluded = Some(Exclusion::Refused(error.to_string()));
+        scored.excluded = Some(Exclusion::refused(&error));
     }
     scored
 }

@@ -25,6 +25,16 @@ pub enum Exclusion {
     Implausible(OutOfRange),
 }
 
+impl Exclusion {
+    /// A candidate that the simulator refuses, by its own sentence without the values that it was asked for.
+    pub(in crate::diagnose) fn refused(error: &crate::Error) -> Self {
+        Self::Refused(match error {
+            crate::Error::Simulator { message, .. } => message.clone(),
+            other => other.to_string(),
+        })
+    }
+}
+
 impl fmt::Display for Exclusion {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
