@@ -32,6 +32,8 @@ pub enum Quantity {
     GoalSpeedLimit,
     /// Error of the position below which the motor does nothing, rad.
     DeadBand,
+    /// How much above its command the motor goes, rad.
+    CommandOffset,
     /// Width of the gap in the gear, rad.
     Backlash,
     /// Friction per torque in the gear, 1.
@@ -101,6 +103,7 @@ impl Quantity {
             Self::ReadingDelay => ("time_delay", "s"),
             Self::ReleaseDelay => ("release_delay", "s"),
             Self::GoalSpeedLimit => ("speed_limit", "rad/s"),
+            Self::CommandOffset => ("command_offset", "rad"),
             Self::DeadBand => ("dead_band", "rad"),
             Self::Backlash => ("backlash", "rad"),
             Self::LoadFriction => ("load_friction", ""),

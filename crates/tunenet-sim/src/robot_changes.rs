@@ -188,6 +188,7 @@ impl OneJoint<'_> {
                 speed_limit,
                 self.of("speed_limit", "inverse_s_rad").filter(|ends| ends[0] > 0.0).map(turned),
             ),
+            (Quantity::CommandOffset, n.command_offset, self.of("command_offset", "rad")),
             (Quantity::DeadBand, n.dead_band, self.of("dead_band", "rad")),
             (Quantity::Backlash, n.gap, self.of("backlash", "gap_rad")),
             (Quantity::LoadFriction, n.load_friction, self.of("load_friction", "mu")),

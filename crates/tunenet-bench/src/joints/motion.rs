@@ -101,7 +101,7 @@ impl<'a> Joint<'a> {
         if on == 0.0 {
             return 0.0;
         }
-        let error = goal - q;
+        let error = goal + self.secrets.goal_offset_rad - q;
         let band = self.secrets.dead_band_rad;
         let error = if error > band {
             error - band

@@ -74,6 +74,6 @@ mod tests {
         assert_eq!(count(&["clean"]), 60);
         assert_eq!(count(&["backlash"]), 10);
         assert_eq!(count(&["ratio-10", "backlash", "dead_band"]), 8);
-        assert_eq!(names().len(), 24);
+        assert_eq!(names().len(), 25);
     }
 }

@@ -68,6 +68,7 @@ pub struct Secrets {
     pub quadratic_nms2_rad2: f64,
     pub stribeck_nm: f64,
     pub stribeck_rad_s: f64,
+    pub goal_offset_rad: f64,
     pub dead_band_rad: f64,
     pub gap_rad: f64,
     pub compliance_rad_nm: f64,
@@ -96,6 +97,7 @@ impl Secrets {
         quadratic_nms2_rad2: 0.0,
         stribeck_nm: 0.0,
         stribeck_rad_s: 0.1,
+        goal_offset_rad: 0.0,
         dead_band_rad: 0.0,
         gap_rad: 0.0,
         compliance_rad_nm: 0.0,
@@ -135,7 +137,7 @@ const fn secret(name: &'static str, greatest: f64, act: fn(&mut Secrets, f64, Sh
 }
 
 /// Every effect of the catalogue that one joint shows and that its parameters do not hold already.
-pub const SECRETS: [Secret; 20] = [
+pub const SECRETS: [Secret; 21] = [
     secret("speed_limit", 1.0, |s, size, _| s.inverse_speed_s_rad = size),
     secret("command_delay", 0.15, |s, size, _| s.command_delay_s = size),
     secret("time_delay", 0.15, |s, size, _| s.reading_delay_s = size),
@@ -146,6 +148,7 @@ pub const SECRETS: [Secret; 20] = [
     secret("stribeck_friction", 0.5, |s, size, shape| {
         (s.stribeck_nm, s.stribeck_rad_s) = (size, 0.05 * 10_f64.powf(shape.share));
     }),
+    secret("command_offset", 0.3, |s, size, shape| s.goal_offset_rad = shape.sign * size),
     secret("dead_band", 0.1, |s, size, _| s.dead_band_rad = size),
     secret("backlash", 0.15, |s, size, _| s.gap_rad = size),
     secret("joint_elasticity", 0.09, |s, size, _| s.compliance_rad_nm = size),

@@ -59,6 +59,8 @@ pub(crate) struct JointNumbers {
     /// Reciprocal of the greatest speed of the internal goal; 0 without a limit.
     pub inverse_speed: f64,
     pub command_delay_s: f64,
+    /// How much above its command the motor goes.
+    pub command_offset: f64,
     /// Delay of switching the motor on or off.
     pub release_delay_s: f64,
     /// Friction by the torque that the gear carries.
@@ -115,6 +117,7 @@ impl JointNumbers {
             gap: 0.0,
             inverse_speed: 0.0,
             command_delay_s: 0.0,
+            command_offset: 0.0,
             release_delay_s: 0.0,
             load_friction: 0.0,
             directional: 0.0,
@@ -130,7 +133,7 @@ impl JointNumbers {
     pub(super) fn demand(&self, goal: f64, position: f64) -> f64 {
         match self.drive {
             Drive::Position => {
-                let error = goal - position;
+                let error = goal + self.command_offset - position;
                 self.gain * self.kp * (error - error.clamp(-self.dead_band, self.dead_band))
             }
             Drive::Velocity => self.gain * self.kp * goal,

@@ -6,6 +6,7 @@
 
 mod backlash;
 mod command_delay;
+mod command_offset;
 mod dead_band;
 mod directional_friction;
 mod duty_limit;
@@ -85,11 +86,12 @@ const OF_ARMS: [&str; 7] = [
     "base_tilt",
 ];
 
-const OWN: [&RobotEffect; 18] = [
+const OWN: [&RobotEffect; 19] = [
     &stribeck_friction::EFFECT,
     &joint_elasticity::EFFECT,
     &speed_limit::EFFECT,
     &command_delay::EFFECT,
+    &command_offset::EFFECT,
     &release_delay::EFFECT,
     &load_friction::EFFECT,
     &directional_friction::EFFECT,

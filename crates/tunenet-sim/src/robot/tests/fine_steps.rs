@@ -15,11 +15,12 @@ struct Truth {
     stribeck: f64,
     quadratic: f64,
     dead_band: f64,
+    offset: f64,
 }
 
 /// Positions every 10 ms for 6 s, off after `off_s`.
 fn reference(truth: Truth, goal: &dyn Fn(f64) -> f64, off_s: f64) -> Vec<f64> {
-    let Truth { mass, length, kp, speed_limit, delay, mu, kd, stribeck, quadratic, dead_band } = truth;
+    let Truth { mass, length, kp, speed_limit, delay, mu, kd, stribeck, quadratic, dead_band, offset } = truth;
     let dt = 5e-6;
     let inertia = 0.022 + mass * length * length + 1e-9;
     let (mut q, mut w, mut own) = (0.0_f64, 0.0_f64, goal(-delay));
@@ -28,7 +29,7 @@ fn reference(truth: Truth, goal: &dyn Fn(f64) -> f64, off_s: f64) -> Vec<f64> {
         let t = f64::from(k) * dt;
         let wanted = goal(t - delay);
         own = if speed_limit > 0.0 { own + (wanted - own).clamp(-speed_limit * dt, speed_limit * dt) } else { wanted };
-        let error = own - q;
+        let error = own + offset - q;
         let error = error - error.clamp(-dead_band, dead_band);
         let duty = (0.166 * kp * error - kd * w).clamp(-1.0, 1.0);
         let motor = if t < off_s { 6.0 * duty - 1.2 * w } else { 0.0 };
@@ -57,6 +58,7 @@ const NONE: Truth = Truth {
     stribeck: 0.0,
     quadratic: 0.0,
     dead_band: 0.0,
+    offset: 0.0,
 };
 
 /// On the straight lines between the samples of the command.
@@ -78,6 +80,7 @@ fn one_millisecond_is_within_half_a_milliradian_of_five_microseconds() {
         stribeck: 0.05,
         quadratic: 0.01,
         dead_band: 0.005,
+        offset: 0.03,
         ..NONE
     };
     let three = Truth { speed_limit: 4.8, delay: 0.033, mu: 0.19, ..NONE };
@@ -87,10 +90,12 @@ fn one_millisecond_is_within_half_a_milliradian_of_five_microseconds() {
     for truth in [NONE, three, all, Truth { kp: 32.0, ..three }, Truth { mass: 1.2, kp: 8.0, ..all }] {
         for (number, goal) in [&step as &dyn Fn(f64) -> f64, &swing].into_iter().enumerate() {
             let joint = JointNumbers { kp: truth.kp, kd: truth.kd, ..servo() };
-            let names = ["speed_limit", "command_delay", "load_friction", "quadratic_friction", "dead_band"];
+            let names =
+                ["speed_limit", "command_delay", "load_friction", "quadratic_friction", "dead_band", "command_offset"];
             let names = [&names[..], &["stribeck_friction"]].concat();
             let slow = if truth.speed_limit > 0.0 { truth.speed_limit.recip() } else { 0.0 };
-            let numbers = [slow, truth.delay, truth.mu, truth.quadratic, truth.dead_band, truth.stribeck, 0.1];
+            let numbers =
+                [slow, truth.delay, truth.mu, truth.quadratic, truth.dead_band, truth.offset, truth.stribeck, 0.1];
             let robot = pendulum(truth.mass, truth.length, joint, &names, 0.001);
             let off = if number == 0 { 99.0 } else { 4.003_7 };
             let found = rolled(&robot, vec![command(goal), on_until(off)], &[0.0; 2], &numbers, &clock(6.0));
