@@ -99,6 +99,9 @@ finding_kinds! {
     warning ROBOT_ONE_SETUP = "robot.one_setup",
         "all recordings have one gain and one load: some effects are the same as parameters there and are not looked for",
         "record at another gain and with another load";
+    note ROBOT_SEVERAL_JOINTS = "robot.several_joints",
+        "some effects are simulated at a single joint only and are not looked for",
+        "to look for them, keep one joint in `[joints]`";
     note REFERENCE_ALIGNED = "reference.aligned",
         "by which lag the reference was aligned",
         "none needed";

@@ -21,6 +21,9 @@ use crate::{SimulationFile, declared, findings};
 /// What recordings with one gain and one load cannot distinguish from parameters of a servo.
 const ONE_SETUP: [&str; 3] = ["firmware_gain", "load_offset", "joint_spring"];
 
+/// What is simulated at a single joint only.
+const SINGLE_JOINT: [&str; 2] = ["joint_elasticity", "backlash"];
+
 /// Robot joints as a simulator, with the inputs and states that their file declares.
 pub type RobotSimulator = Declared<RobotModel>;
 
@@ -45,8 +48,13 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let one_setup = files.len() == 1 && follows.contains(&true);
     let present = file.robot_effects()?;
     let given = |name: &str| present.iter().find(|one| one.effect.name == name);
+    let absent = |names: &[&'static str]| -> Vec<&'static str> {
+        names.iter().copied().filter(|name| given(name).is_none()).collect()
+    };
+    let same_as_parameters = if one_setup { absent(&ONE_SETUP) } else { Vec::new() };
+    let beyond = if order.len() > 1 { absent(&SINGLE_JOINT) } else { Vec::new() };
     let looked_for =
-        |effect: &RobotEffect| given(effect.name).is_some() || !(one_setup && ONE_SETUP.contains(&effect.name));
+        |effect: &RobotEffect| !same_as_parameters.contains(&effect.name) && !beyond.contains(&effect.name);
     let effects: Vec<RobotEffect> = crate::robot::effects::all().into_iter().filter(looked_for).collect();
     let roles = roles(&parameters, &order);
     let tuned = |number: Number| {
@@ -64,7 +72,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         starts: starts.iter().map(|(start, _)| *start).collect(),
         wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
         follows,
-        notes: one_setup.then(said_of_one_setup).into_iter().collect(),
+        notes: said_of_one_setup(&same_as_parameters).into_iter().chain(said_of_several_joints(&beyond)).collect(),
     };
     let mut rigs = Vec::with_capacity(files.len());
     let mut states = Vec::with_capacity(files.len());
@@ -98,9 +106,29 @@ pub(crate) fn roles(parameters: &[Parameter], order: &[(&str, &JointScene)]) -> 
     parameters.iter().map(one).collect()
 }
 
-fn said_of_one_setup() -> Note {
-    let text = format!("all recordings have one gain and one load: {} are not looked for", ONE_SETUP.join(", "));
-    Note::new(findings::ROBOT_ONE_SETUP, text, "record at another gain and with another load")
+fn said_of_one_setup(effects: &[&str]) -> Option<Note> {
+    let text = format!("all recordings have one gain and one load: {} not looked for", are(effects)?);
+    Some(Note::new(findings::ROBOT_ONE_SETUP, text, "record at another gain and with another load"))
+}
+
+fn said_of_several_joints(effects: &[&str]) -> Option<Note> {
+    let text = format!("the robot has several joints: {} not looked for", are(effects)?);
+    let remedy = "to look for them, keep one joint in [joints]; the others are held";
+    Some(Note::new(findings::ROBOT_SEVERAL_JOINTS, text, remedy))
+}
+
+/// `a, b are`; `None` where there are none.
+fn are(names: &[&str]) -> Option<String> {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    (!names.is_empty()).then(|| format!("{} {verb}", names.join(", ")))
+}
+
+/// The names of the file's joints, in the order of the numbers of effects.
+///
+/// # Errors
+/// As [`robot`].
+pub fn joint_names(file: &SimulationFile) -> Result<Vec<String>> {
+    Ok(order(file, &model(file)?)?.into_iter().map(|(name, _)| name.to_owned()).collect())
 }
 
 /// Where the model of a robot's file lies: next to the file, unless its path is absolute.

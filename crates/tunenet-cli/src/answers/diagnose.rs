@@ -10,6 +10,8 @@ use tunenet_core::law::{Member, Reason};
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
 use tunenet_sim::arm::effects::ArmEffect;
+use tunenet_sim::observed_robot::joint_names;
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile};
 
 use super::law::{self, Found, Law};
@@ -98,6 +100,19 @@ impl Answer<'_> {
     pub fn found(&self) -> Option<(&Found, &Member)> {
         let found = self.law?.decides(self.diagnosis.verdict())?;
         Some((found, found.answer.members.first()?))
+    }
+
+    /// The joint that a coefficient of an effect belongs to, `joint 2` of an arm and by its name of a robot; `None` where it is of no joint.
+    pub fn joint_of(&self, named: &NamedEffect, coefficient: usize) -> Option<String> {
+        let key = &named.coefficients[coefficient].key;
+        let before = named.coefficients[..coefficient].iter().filter(|other| other.key == *key).count();
+        let several = named.coefficients.iter().filter(|other| other.key == *key).count() > 1;
+        let file = &self.loaded.objects.first()?.file;
+        match file.domain() {
+            Domain::Robot if several => joint_names(file).ok()?.into_iter().nth(before),
+            Domain::Arm => is_per_joint(named).then(|| format!("joint {}", before + 1)),
+            _ => None,
+        }
     }
 
     /// Effects of the catalogue that explain as much as the laws of the answer.

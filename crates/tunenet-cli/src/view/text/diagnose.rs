@@ -10,7 +10,7 @@ use tunenet_sim::phase;
 
 use super::fitted::{gap_line, parameter, ranged};
 use super::{in_words, list, note, rolled_out, stage, verbose};
-use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint, why_insufficient};
+use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, why_insufficient};
 use crate::answers::improved::Written;
 use crate::view::answer::Printout;
 
@@ -200,10 +200,10 @@ fn details(answer: &Answer) -> Vec<String> {
     let diagnosis = answer.diagnosis;
     let mut lines: Vec<String> = diagnosis.conclusion.description().map(Into::into).into_iter().collect();
     for named in diagnosis.effects() {
-        let joints = is_per_joint(named);
         for (i, fitted) in named.coefficients.iter().enumerate() {
-            let joint = 1 + named.coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
-            let key = if joints { format!("{} of joint {joint}", fitted.key) } else { fitted.key.to_string() };
+            let key = answer
+                .joint_of(named, i)
+                .map_or_else(|| fitted.key.to_string(), |joint| format!("{} of {joint}", fitted.key));
             let unit = if fitted.unit == "1" { "" } else { &fitted.unit };
             for value in &fitted.values {
                 let object = answer.object(value).filter(|_| fitted.values.len() > 1);
