@@ -29,7 +29,7 @@ impl SimulationFile {
         let mut found = Vec::new();
         for (name, item) in all.iter() {
             let (Some(table), Some(effect)) = (item.as_table_like(), RobotEffect::find(name)) else { continue };
-            let (values, tune) = numbers_of(&effect, joints).read(self, table, "the order is that of [joints]")?;
+            let (values, tune) = numbers_of(&effect, joints).read(self, table, "the order is that of the model")?;
             found.push(PresentRobotEffect { effect, values, tune });
         }
         Ok(found)

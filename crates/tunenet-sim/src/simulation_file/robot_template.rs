@@ -66,6 +66,11 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     if let Some(rate_hz) = start.rate_hz {
         text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
     }
+    let drive = |joint: &&Joint| start.motor(&joint.name).map_or(Drive::Position, |motor| motor.drive);
+    let one_gain = start.columns.is_some() && !named.is_empty() && named.iter().all(|j| drive(j) == Drive::Position);
+    if one_gain {
+        text = with_tuned_gains(text, named.len());
+    }
     for joint in &named {
         let motor = start.motor(&joint.name);
         for known in SAMPLES {
@@ -80,11 +85,31 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             }
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some();
-            let tune = known.tune && !(number == "back_emf" && together);
+            let held = (number == "back_emf" && together) || (number == "stall_torque" && one_gain);
+            let tune = known.tune && !held;
             parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), known);
         }
     }
     text
+}
+
+/// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
+/// gain and torque limit where no motor is at its limit: the limit stays as it is stated, and the gain is tuned, which models often
+/// state by orders of magnitude too large.
+fn with_tuned_gains(text: String, joints: usize) -> String {
+    const TABLE: &str = "# [effects.firmware_gain]\n";
+    let Some((before, table)) = text.split_once(TABLE) else { return text };
+    let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
+    let said = line(
+        "# One log shows the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
+    );
+    let factors = vec!["1.0"; joints].join(", ");
+    let table = table.replacen("# factor = 1.0", &format!("factor = [{factors}]"), 1).replacen(
+        "# tune = false",
+        "tune = true",
+        1,
+    );
+    format!("{before}[effects.firmware_gain]\n{said}{table}\n\n{after}")
 }
 
 /// An eighth of the period of a log, in whole ms from 1 to 4. At 4 ms, the error of a servo's rollout is 0.5 to 2 mrad, a few steps of an encoder
@@ -223,6 +248,10 @@ mod tests {
         assert!(!file.parameters().unwrap().iter().find(|p| p.name == "Lift__back_emf").unwrap().tune);
         let parameters = file.parameters().unwrap();
         assert_eq!(parameters.iter().find(|p| p.name == "Lift__zero").map(|p| (p.min, p.max)), Some((-1.6, 1.6)));
+        let limit = parameters.iter().find(|p| p.name == "Lift__stall_torque").unwrap();
+        assert_eq!((limit.value, limit.tune), (3.0, false));
+        let gain = &file.robot_effects().unwrap()[0];
+        assert_eq!((gain.effect.name, gain.values.as_slice(), gain.tune), ("firmware_gain", &[1.0][..], true));
         assert_eq!(robot.integrate.step_s, 0.004);
         assert_eq!([200.0, 50.0, 10.0].map(step_s), [0.001, 0.002, 0.004]);
     }

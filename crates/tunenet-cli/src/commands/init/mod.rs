@@ -65,13 +65,17 @@ pub fn run(options: &Init) -> Result<Exit> {
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     let path = shell_word(&out.to_string_lossy());
     match &recording {
-        Some(recording) => stage(
-            "next",
-            &format!(
-                "check units against the robot's documents, and the gains, then \
-                 `tunenet diagnose --sim {path} {recording} --out improved.toml`"
-            ),
-        ),
+        Some(recording) => {
+            let ending =
+                options.urdf.as_deref().and_then(Path::extension).map_or("urdf".into(), |e| e.to_string_lossy());
+            stage(
+                "next",
+                &format!(
+                    "check the units against the robot's documents, then `tunenet diagnose --sim {path} {recording} \
+                     --out improved.toml --out-model improved.{ending}`"
+                ),
+            );
+        }
         None => stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`")),
     }
     let mut shown = Printout::default();
