@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use tunenet_core::diagnose::Verdict;
 use tunenet_formats::write_atomically;
 use tunenet_sim::SimulationFile;
 
@@ -59,9 +60,16 @@ pub fn write_models(options: &Diagnose, answer: &Answer) -> Result<()> {
     if !options.models.asked() {
         return Ok(());
     }
-    if let Some(why) = why_not(answer) {
-        stage("model", &format!("not written: {why}"));
-        return Ok(());
+    match why_not(answer) {
+        // Tuned numbers are worth a model, as they are after `tune`, even where something is missing that has no name.
+        Some(why) if answer.diagnosis.verdict() == Verdict::Unknown && answer.diagnosis.gap.is_some() => {
+            stage("note", &format!("models get the tuned numbers alone: {why}"));
+        }
+        Some(why) => {
+            stage("model", &format!("not written: {why}"));
+            return Ok(());
+        }
+        None => {}
     }
     models::write(&options.models, &improved(answer, 0)?, &intervals(answer))
 }
