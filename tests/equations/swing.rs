@@ -72,6 +72,9 @@ fn a_missing_effect_is_named_validated_and_written() {
     folder.write("runs.toml", manifest);
     let poor = folder.run("tune --sim equations.toml --manifest runs.toml --json").ends(3).json();
     assert_eq!(poor["verdict"], "poor_fit");
+    // A few brief fits and the curvature say as much of a poor fit as a full search.
+    assert!(codes(&poor).contains(&"intervals.curvature"), "{poor:#}");
+    assert!(poor["rollouts"].as_u64().unwrap() < 1000, "{poor:#}");
     let line = "diagnose --sim equations.toml --manifest runs.toml --out improved.toml --json";
     let json = folder.run(line).ends(0).json();
     assert_eq!((json["verdict"].as_str(), json["effects"][0]["name"].as_str()), (Some("named"), Some("dry_friction")));

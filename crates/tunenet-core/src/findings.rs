@@ -66,6 +66,9 @@ finding_kinds! {
     warning CONTACT_UNEXPLAINED = "contact.unexplained",
         "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",
         "vary height and surface, to see which of them changes it";
+    note INTERVALS_CURVATURE = "intervals.curvature",
+        "the fit is poor: intervals are those of the curvature, and were not checked",
+        "search for the missing effect with `diagnose`";
     note INTERVALS_WIDENED = "intervals.widened",
         "recordings differ by more than their noise; intervals follow from their scatter",
         "vary less between recordings, or specify the difference";

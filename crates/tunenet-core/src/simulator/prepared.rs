@@ -58,6 +58,12 @@ impl Prepared {
         self.memoryless && self.nuisances.is_empty()
     }
 
+    /// Whether measured inputs act on what is simulated.
+    #[must_use]
+    pub fn has_inputs(&self) -> bool {
+        self.circumstances.as_ref().is_some_and(|known| !known.inputs.is_empty())
+    }
+
     /// The same recording for a simulator with so many further parameters, of which it knows nothing beforehand.
     pub(crate) fn with_parameters(&self, more: usize) -> Self {
         let mut prepared = self.clone();

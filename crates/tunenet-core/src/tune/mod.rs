@@ -333,10 +333,17 @@ impl Tuning<'_> {
     ) -> Result<(Vec<Interval>, CalibrationUncertainty)> {
         let problem = self.problem();
         self.log.phase(Phase::Intervals);
+        let curvature = self.settings.quick || self.takes_curvature(fit);
         let (mut interval95, _) =
-            if self.settings.quick { (curved(&problem, fit, scale), 0) } else { ends_with(&problem, fit, scale, grid) };
+            if curvature { (curved(&problem, fit, scale), 0) } else { ends_with(&problem, fit, scale, grid) };
         let calibration = CalibrationUncertainty::of(&problem, fit, &mut interval95)?;
         Ok((interval95, calibration))
+    }
+
+    /// Whether intervals are those of the curvature: of a poor fit of recordings with inputs, they say how far the answer depends on noise
+    /// and not how far it is off, and a profile likelihood takes many times the rollouts of the fit.
+    fn takes_curvature(&self, fit: &Fit) -> bool {
+        !self.free.is_empty() && self.recordings.iter().all(Prepared::has_inputs) && self.poor(fit)
     }
 
     /// How well the free parameters are known at `fit`, whose covariance is stated by the way.
@@ -415,6 +422,10 @@ impl Tuning<'_> {
         let Uncertainty { scale, known, interval95, calibration } = self.uncertainty(&mut fit, &grid)?;
         let mut poor = self.poor(&fit);
         self.report_limits(&fit, &mut notes);
+        if !self.settings.quick && self.takes_curvature(&fit) {
+            let text = "the fit is poor: intervals are those of the curvature, and were not checked";
+            notes.push(Note::new(findings::INTERVALS_CURVATURE, text, ""));
+        }
         if self.settings.finish && !poor && !self.settings.quick {
             let disagree = self.disagreement(&fit)?;
             poor = disagree.is_some();

@@ -9,6 +9,8 @@ use crate::simulator::{Parameter, Prepared, STATE, Simulator};
 
 /// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
+/// The same for an initial state, which nothing touches or releases: a name that nothing reads changes nothing however far it moves.
+const NUDGE_OF_STATE: f64 = 1e-3;
 /// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
 
@@ -50,7 +52,8 @@ pub(super) fn observable_nuisances(
     };
     // To both sides: a surface just below the lowest sample is felt from below alone.
     let seen = |(i, p): &(usize, &Parameter)| {
-        let step = NUDGE * (p.max - p.min);
+        let share = if p.name.starts_with(STATE) { NUDGE_OF_STATE } else { NUDGE };
+        let step = share * (p.max - p.min);
         moves(*i, step) && moves(*i, -step)
     };
     let kept = recording.nuisances.iter().enumerate().filter(seen);

@@ -28,6 +28,8 @@ const LOCAL_FITS: usize = 2;
 /// Starts across the bounds that are fitted briefly, and the steps of such a fit: enough to see to which local minimum it leads.
 const BRIEF_FITS: usize = 4;
 const BRIEF_STEPS: usize = 8;
+/// Another minimum is lower by at least so much in cost; fits of the same minimum end farther apart than rounding.
+const LOWER: f64 = 1.0;
 
 /// Two misfits closer than this share of them are the same.
 const SAME_MISFIT: f64 = 1e-9;
@@ -48,7 +50,8 @@ impl Tuning<'_> {
             return Ok((problem.fit(near.clone(), 1.0)?, Vec::new()));
         }
         if self.recordings.iter().all(|recording| recording.discrepancy) {
-            return Ok((self.best_of_brief_fits(near, also)?, Vec::new()));
+            let starts = std::iter::once(near.clone()).chain(also).chain(self.nearest_across_bounds(near));
+            return Ok((self.best_of_brief_fits(starts, None)?, Vec::new()));
         }
         if self.has_events() {
             let found = self.best_of_starts(near, also, None)?;
@@ -59,8 +62,14 @@ impl Tuning<'_> {
             Err(refused) if self.log.was_short() => return Err(refused),
             first => first.ok(),
         };
+        let driven = self.recordings.iter().all(Prepared::has_inputs);
         let found = match first {
             Some(first) if Self::settled(&first) => first,
+            // Inputs hold a driven thing near its motion from any start, so that a few brief fits show whether another minimum is lower.
+            Some(first) if driven => {
+                let starts = also.into_iter().chain(self.nearest_across_bounds(near));
+                return Ok((self.best_of_brief_fits(starts, Some(first))?, Vec::new()));
+            }
             first => self.best_of_starts(near, also, first)?,
         };
         let settled = Self::settled(&found);
@@ -73,24 +82,30 @@ impl Tuning<'_> {
         Ok(self.search_local_minima(found))
     }
 
-    /// The best of several starts, where what is left is a discrepancy of the simulation, whose size shows no better local minimum.
-    fn best_of_brief_fits(&self, near: &Point, also: Option<Point>) -> Result<Fit> {
+    /// The best of `first` and of fits from these starts, which are brief where they do not lead to a lower minimum.
+    fn best_of_brief_fits(&self, starts: impl Iterator<Item = Point>, first: Option<Fit>) -> Result<Fit> {
         let problem = self.problem();
-        let across = self.ranked(self.across_bounds(near)).into_iter().map(|(_, start)| start).take(BRIEF_FITS);
         let mut best: Option<Fit> = None;
         let mut refused = None;
-        for start in std::iter::once(near.clone()).chain(also).chain(across) {
+        for start in starts {
             match problem.fit_steps(start, None, BRIEF_STEPS, BRIEF_STEPS / 2) {
                 Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
                 Ok(_) => {}
                 Err(error) => refused = Some(error),
             }
         }
-        match (best, refused) {
-            (Some(best), _) => problem.fit(best.point, 1.0),
-            (None, Some(error)) => Err(error),
-            (None, None) => Err(nowhere()),
+        match (best, first, refused) {
+            (Some(best), Some(first), _) if best.cost >= first.cost - LOWER => Ok(first),
+            (None, Some(first), _) => Ok(first),
+            (Some(best), _, _) => problem.fit(best.point, 1.0),
+            (None, None, Some(error)) => Err(error),
+            (None, None, None) => Err(nowhere()),
         }
+    }
+
+    /// The starts across the bounds that lie nearest to the data.
+    fn nearest_across_bounds(&self, near: &Point) -> Vec<Point> {
+        self.ranked(self.across_bounds(near)).into_iter().map(|(_, start)| start).take(BRIEF_FITS).collect()
     }
 
     fn has_events(&self) -> bool {
