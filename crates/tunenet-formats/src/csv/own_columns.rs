@@ -38,6 +38,11 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
         }
     }
     let mut notes = Vec::new();
+    let mapped_inputs: Vec<&str> =
+        mapping.iter().filter(|(ours, _)| of_input(ours)).map(|(_, theirs)| theirs.trim_start_matches('-')).collect();
+    let is_mapped = |column: usize, name: &str| {
+        mapped_inputs.iter().any(|theirs| *theirs == name || theirs.parse() == Ok(column + 1))
+    };
     if header.named {
         let by_hand: Vec<usize> = clock.iter().chain(values.iter().flatten()).map(|source| source.column).collect();
         let mut ignored = Vec::new();
@@ -53,7 +58,7 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
                         sign: Sign::Kept,
                     });
                 }
-                None if of_input(cell.text) => {}
+                None if of_input(cell.text) || is_mapped(column, cell.text) => {}
                 None => ignored.push(cell.text),
             }
         }
@@ -71,8 +76,11 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
     let absent = values.iter().position(Option::is_none).map(|i| channels[i].header());
     if let Some(absent) = if clock.is_none() { Some("t_s".to_owned()) } else { absent } {
         if let Some((column, message)) = in_another_unit(header, &absent, channels) {
-            let hint =
-                format!("convert the column, or, if that is its unit, `--columns {absent}={}`", cells[column].text);
+            let unit = channels.iter().find(|channel| channel.header() == absent).map_or("1", |channel| &channel.unit);
+            let hint = format!(
+                "convert its numbers to {unit}; if they are in {unit} already, `--columns {absent}={}`",
+                cells[column].text
+            );
             return header.refuse(Some(column), message, hint);
         }
         let what = match role {
@@ -186,10 +194,14 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
         let known = |name: &str| header_of(name, channels);
         let missing = wanted.iter().filter(|ours| !cells.iter().any(|c| known(c.text).as_ref() == Some(*ours)));
         // What has the other role is no proposal.
-        let strange = cells
-            .iter()
-            .filter(|cell| !cell.text.is_empty() && known(cell.text).is_none() && !is_other(cell.text, others));
-        missing.cloned().zip(strange.map(|cell| cell.text.to_owned())).collect()
+        let mut strange: Vec<&str> = cells.iter().map(|cell| cell.text).filter(|text| !text.is_empty()).collect();
+        strange.retain(|text| known(text).is_none() && !is_other(text, others));
+        let mut pairs = Vec::new();
+        for ours in missing {
+            let Some(place) = strange.iter().position(|theirs| !contradicts(ours, theirs)) else { continue };
+            pairs.push((ours.clone(), strange.remove(place).to_owned()));
+        }
+        pairs
     } else {
         wanted.into_iter().zip((1..).map(|n: usize| n.to_string())).collect()
     };
@@ -199,10 +211,21 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
             Role::Driving => "add the column, or say which it is, with `column` in the input's table".into(),
         };
     }
-    let pairs: Vec<String> = pairs.into_iter().map(|(ours, theirs)| format!("{ours}={theirs}")).collect();
+    let clock = pairs.iter().find(|(ours, _)| *role == Role::Driving && header.named && ours == "t_s");
+    let own_clock = clock.map_or_else(String::new, |(_, theirs)| {
+        format!("of an input in a file of its own, write `time_column = {theirs:?}` into its table; otherwise ")
+    });
+    let pairs: Vec<String> = pairs.iter().map(|(ours, theirs)| format!("{ours}={theirs}")).collect();
     let option = pairs.join(",");
     let quote = if option.contains([' ', '(', '[', '\'']) { "'" } else { "" };
-    format!("say which column is which, for example `--columns {quote}{option}{quote}`")
+    format!("{own_clock}say which column is which, for example `--columns {quote}{option}{quote}`")
+}
+
+/// Whether both names end in units of different quantities: the one is no proposal for the other.
+fn contradicts(ours: &str, theirs: &str) -> bool {
+    let (Some(own), Some(other)) = (Channel::from_header(ours), Channel::from_header(theirs)) else { return false };
+    let converted = conversions(&own.unit).iter().any(|(known, _)| theirs.ends_with(&format!("_{known}")));
+    own.unit != other.unit && !converted
 }
 
 /// Which channel of `seen` is the one that is `wanted`, by its name and unit or by the name that `options` have for it.
@@ -265,6 +288,52 @@ mod tests {
         assert_eq!(seen.row(0), [1.0, std::f64::consts::PI]);
         let kinds: Vec<_> = found.notes.iter().map(|note| note.kind).collect();
         assert_eq!(kinds, [findings::COLUMNS_IGNORED, findings::COLUMNS_CONVERTED, findings::COLUMNS_CONVERTED]);
+    }
+
+    /// A column that an input is mapped to is used, however it is named.
+    #[test]
+    fn a_column_that_is_mapped_to_an_input_is_not_ignored() {
+        let (_folder, path) = file("a.csv", "t_s,angle_rad,u,rest\n0,1,5,0\n1,2,5,0\n2,3,5,0\n");
+        let of = |mapped: &str| {
+            let asked = options(&["angle_rad"], &[("volt_v", mapped)]);
+            let asked = ReadOptions { others: vec![Channel::from_header("volt_v").unwrap()], ..asked };
+            let notes = read(&path, &asked).unwrap().notes;
+            notes.into_iter().find(|note| note.kind == findings::COLUMNS_IGNORED).unwrap().text
+        };
+        assert!(
+            of("u").ends_with("ignored: `rest`") && of("3").ends_with("ignored: `rest`"),
+            "{} {}",
+            of("u"),
+            of("3")
+        );
+        assert!(of("rest").ends_with("ignored: `u`"));
+    }
+
+    /// What bears a unit of another quantity is proposed for nothing; a unit that is converted is.
+    #[test]
+    fn a_unit_of_another_quantity_is_no_proposal() {
+        let hint = |text: &str, wanted: &str| {
+            let (_folder, path) = file("a.csv", text);
+            error_text(&read(&path, &options(&[wanted], &[])).unwrap_err()).1
+        };
+        let without = hint("t_s,volt_v\n0,1\n1,2\n2,3\n", "angle_rad");
+        assert!(!without.contains("volt_v"), "{without}");
+        let second = hint("t_s,volt_v,theta_deg\n0,1,1\n1,2,1\n2,3,1\n", "angle_rad");
+        assert!(second.contains("`--columns angle_rad=theta_deg`"), "{second}");
+        let milli = hint("t_s,volt_mv\n0,1\n1,2\n2,3\n", "volt_v");
+        assert!(
+            milli.contains("convert its numbers to V; if they are in V already, `--columns volt_v=volt_mv`"),
+            "{milli}"
+        );
+    }
+
+    /// An input's own file has a clock of its own.
+    #[test]
+    fn the_clock_of_an_input_is_named_in_its_table() {
+        let (_folder, path) = file("a.csv", "stamp,cmd\n0,1\n1,2\n2,3\n");
+        let asked = ReadOptions { role: Role::Driving, ..options(&["volt_v"], &[("volt_v", "cmd")]) };
+        let (_, hint) = error_text(&read(&path, &asked).unwrap_err());
+        assert!(hint.contains("`time_column = \"stamp\"`"), "{hint}");
     }
 
     #[test]
