@@ -89,6 +89,10 @@ impl LeastSquares for Window<'_> {
     fn affords(&self, rollouts: usize) -> bool {
         self.problem.log.is_none_or(|log| log.affords(rollouts))
     }
+
+    fn allowance(&self) -> Option<usize> {
+        self.problem.log.and_then(RolloutLog::allowance)
+    }
 }
 
 /// The residuals at a fit, linear in every parameter: a column of derivatives for each.

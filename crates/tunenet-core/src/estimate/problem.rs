@@ -106,12 +106,18 @@ pub(crate) trait LeastSquares: Sync {
         true
     }
 
+    /// How many rollouts are allowed in all; `None` where there is no limit.
+    fn allowance(&self) -> Option<usize> {
+        None
+    }
+
     /// What is wrong where a first step takes more rollouts than are allowed.
     fn unaffordable(&self) -> Error {
         let columns: usize = self.recordings().iter().map(|&d| self.touched(d).len() + self.nuisances(d).len()).sum();
         let least = 2 * (self.recordings().len() + columns);
         let expected = format!("at least {least} rollouts, which the first step takes");
-        Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: "fewer".into() }
+        let found = self.allowance().map_or_else(|| "fewer".into(), |allowed| allowed.to_string());
+        Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found }
     }
 
     /// Whether a direction that the simulator refuses on both sides is taken for one without slope, instead of an error.

@@ -98,6 +98,12 @@ impl RolloutLog {
         self.shared.count.load(Ordering::Relaxed)
     }
 
+    /// How many may be made; `None` where there is no limit.
+    #[must_use]
+    pub fn allowance(&self) -> Option<usize> {
+        self.shared.allowance
+    }
+
     /// Counts rollouts that were made without this log.
     pub(crate) fn add(&self, rollouts: usize) {
         self.shared.count.fetch_add(rollouts, Ordering::Relaxed);
