@@ -78,7 +78,7 @@ impl Settings {
 }
 
 /// What a diagnosis is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress<'a> {
     /// A recording is not used.
     NotUsed {
@@ -95,6 +95,10 @@ pub enum Progress<'a> {
         candidates: usize,
         /// Effects already in.
         effects: usize,
+        /// Rollouts so far.
+        rollouts: usize,
+        /// What is left with these effects, in multiples of the noise that the search uses.
+        left: f64,
     },
     /// Fitting one candidate jointly.
     Fitting(&'a str),

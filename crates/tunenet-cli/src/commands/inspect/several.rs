@@ -24,7 +24,10 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         rows.push([vec![names::file_name(path)], row(&motion)].concat());
     }
     let Listing { mut shown, objects, worst } = listing;
-    shown.table(&rows);
+    // Of other things than balls there is nothing to put together.
+    if rows.len() > 1 {
+        shown.table(&rows);
+    }
     let pooled = ApparentGravity::pooled(&gravities);
     let mut causes = Vec::new();
     if let Some(gravity) = &pooled {

@@ -42,8 +42,11 @@ pub fn progress(working: &ProgressBar, at: Progress) {
             return;
         }
         Progress::Tuning => "tuning".to_owned(),
-        Progress::Scoring { candidates, effects: 0 } => format!("scoring {candidates} effects"),
-        Progress::Scoring { candidates, effects } => format!("scoring {candidates} effects in addition to {effects}"),
+        Progress::Scoring { candidates, effects, rollouts, left } => {
+            let addition = if effects == 0 { String::new() } else { format!(" in addition to {effects}") };
+            let left = with_decimals(left, 1);
+            format!("scoring {candidates} effects{addition} after {rollouts} rollouts, {left} times the noise left")
+        }
         Progress::Fitting(name) => format!("fitting {name}"),
         Progress::Judging => "testing residuals".to_owned(),
     });

@@ -5,7 +5,7 @@ use std::time::Duration;
 use indicatif::ProgressBar;
 
 /// Time between two lines; work that takes less prints none.
-pub const INTERVAL: Duration = Duration::from_secs(10);
+pub const INTERVAL: Duration = Duration::from_secs(60);
 
 /// Hands `bar` to `print` every `interval`, until it is finished or dropped.
 pub fn report(bar: &ProgressBar, interval: Duration, print: impl Fn(&ProgressBar) + Send + 'static) {

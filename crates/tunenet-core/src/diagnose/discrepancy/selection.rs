@@ -6,7 +6,7 @@ use super::stage::{Stage, brief_stage, stage};
 use crate::Result;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, scoring};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::{Progress, Test};
 use crate::estimate::huber::huber_cost;
@@ -46,7 +46,7 @@ pub(in crate::diagnose) fn search_gated<'a>(
     let mut best = None;
     loop {
         let effects = model.structure.effects.len();
-        progress(Progress::Scoring { candidates: context.catalogue.len() - effects, effects });
+        progress(scoring(&context, &model));
         let found = stage(&context, model);
         let admitted = if effects < most { admitted(&context, &found)? } else { None };
         let Some((next, test)) = admitted else {

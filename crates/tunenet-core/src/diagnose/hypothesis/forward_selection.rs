@@ -117,6 +117,13 @@ pub(in crate::diagnose) fn search_again<'a>(
     Ok((context, found))
 }
 
+/// Candidates are scored in addition to `model`.
+pub(in crate::diagnose) fn scoring<'p>(context: &Context, model: &Hypothesis) -> Progress<'p> {
+    let effects = model.structure.effects.len();
+    let candidates = context.catalogue.len() - effects;
+    Progress::Scoring { candidates, effects, rollouts: context.rollouts.count(), left: model.scale() }
+}
+
 /// Searches from the tuned simulation.
 pub(in crate::diagnose) fn search<'a>(
     context: &Context<'a>,
@@ -124,7 +131,7 @@ pub(in crate::diagnose) fn search<'a>(
     is_adequate: IsAdequate,
     progress: &dyn Fn(Progress),
 ) -> Result<Selection<'a>> {
-    progress(Progress::Scoring { candidates: context.catalogue.len(), effects: 0 });
+    progress(scoring(context, &base));
     let mut alone = score_candidates(context, &base);
     let mut best = match required_model(context, &base)? {
         Some(expected) => Some(expected),
@@ -132,8 +139,7 @@ pub(in crate::diagnose) fn search<'a>(
     };
     let mut stages = Vec::new();
     while let Some(model) = best.take_if(|model| model.structure.effects.len() < most_effects(context, model)) {
-        let effects = model.structure.effects.len();
-        progress(Progress::Scoring { candidates: context.catalogue.len() - effects, effects });
+        progress(scoring(context, &model));
         let trials = score_candidates(context, &model);
         let Some(more) = accepted(context, &model, &trials)? else {
             best = Some(model);

@@ -75,10 +75,12 @@ fn seen(answer: &Answer) -> Markup {
         return html! { h2 { "Recordings" } (drawings(&series, false)) };
     }
     let shown = left_over::chosen(all);
+    // A search for a law leaves no rollouts of the recordings: what is drawn is the simulation that lacks it.
+    let lacks_law = answer.found().is_some();
     html! {
-        h2 { "Measured and simulated" @if both { ", before and after" } }
+        h2 { "Measured and simulated" @if lacks_law { " without the law" } @if both { ", before and after" } }
         (left_over::overlays(&shown, both))
-        h2 { "Residuals" @if both { ", before and after" } }
+        h2 { "Residuals" @if lacks_law { " without the law" } @if both { ", before and after" } }
         (left_over::residuals(&shown, all.len(), both, if both { "with the effect" } else { "tuned" }))
         h2 { @if answer.diagnosis.verdict() == Verdict::None { "Location of the residual" } @else { "Location of the effect" } }
         (place(answer, both))
