@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use tunenet_core::observation::{Channel, Hold, Observation};
-use tunenet_formats::{InputSource, ReadOptions, Recording, read_input, under_inputs};
+use tunenet_formats::{Error, InputSource, ReadOptions, Recording, read_input, under_inputs};
 use tunenet_sim::{SimulationFile, scene};
 
 use super::input_files::own_file;
@@ -57,6 +57,10 @@ pub fn attach(
     let mut found = Vec::with_capacity(sources.len());
     for (source, input) in &sources {
         let own = own_file(input, path);
+        if let Some(missing) = own.as_deref().filter(|own| !own.exists()) {
+            let hint = format!("`file` of `[inputs.{}]` names it, from the folder of the recording", source.name);
+            return Err(Error::file(missing, "no such file", hint).into());
+        }
         found.push((source, read_input(own.as_deref().unwrap_or(path), options, source)?));
     }
     Ok(under_inputs(path, recording, setup, found)?)

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use toml_edit::{Array, InlineTable};
-use tunenet_core::tune::{Outcome, Verdict};
+use tunenet_core::tune::{Estimate, Outcome, Verdict};
 use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
@@ -34,7 +34,7 @@ pub fn write_tuned(
 ) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let file = setups.common();
-    let mut tuned = tuned(file, outcome)?;
+    let mut tuned = tuned(file, outcome, &outcome.parameters)?;
     let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups, i));
     let observations = observations.collect::<Result<Array>>()?;
     let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
@@ -46,11 +46,15 @@ pub fn write_tuned(
     Ok(())
 }
 
-/// The file with the tuned values.
-fn tuned(file: &SimulationFile, outcome: &Outcome) -> Result<SimulationFile> {
+/// The file with the values of these parameters.
+fn tuned<'e>(
+    file: &SimulationFile,
+    outcome: &Outcome,
+    parameters: impl IntoIterator<Item = &'e Estimate>,
+) -> Result<SimulationFile> {
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
-    for p in &outcome.parameters {
+    for p in parameters {
         match (file.domain(), p.name.split_once('.')) {
             (Domain::Arm, _) => tuned.set_arm_value(&p.name, p.value, joints)?,
             (Domain::Robot, _) => tuned.set_robot_value(&p.name, p.value)?,
@@ -63,14 +67,22 @@ fn tuned(file: &SimulationFile, outcome: &Outcome) -> Result<SimulationFile> {
     Ok(tuned)
 }
 
-/// Writes the models that were asked for, where there is an answer.
+/// Writes the models that were asked for. They get every number that the recordings determine, even where others stay open.
 fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()> {
-    if !options.models.asked() || !is_written(outcome) {
+    if !options.models.asked() {
         return Ok(());
     }
-    let known = outcome.parameters.iter().filter(|p| p.identified);
-    let intervals = known.map(|p| (p.name.clone(), [p.interval95.0, p.interval95.1])).collect();
-    models::write(&options.models, &tuned(setups.common(), outcome)?, &intervals)
+    let (known, open): (Vec<&Estimate>, Vec<&Estimate>) = outcome.parameters.iter().partition(|p| p.identified);
+    if known.is_empty() {
+        stage("model", "not written: nothing was tuned");
+        return Ok(());
+    }
+    if !open.is_empty() {
+        let names: Vec<String> = open.iter().map(|p| format!("`{}`", p.name)).collect();
+        stage("note", &format!("models keep what the recordings do not determine: {}", names.join(", ")));
+    }
+    let intervals = known.iter().map(|p| (p.name.clone(), [p.interval95.0, p.interval95.1])).collect();
+    models::write(&options.models, &tuned(setups.common(), outcome, known)?, &intervals)
 }
 
 /// Writes what was asked for besides the simulation file: intervals and models.
