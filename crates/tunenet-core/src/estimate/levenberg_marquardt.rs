@@ -107,7 +107,7 @@ pub(crate) fn minimise(
     seen: &mut dyn FnMut(&Point, &[Vec<f64>]),
 ) -> Result<Minimum> {
     let mut point = start;
-    let (mut damping, mut small_steps, mut slow_steps, mut rollouts, mut steps) = (settings.damping, 0, 0, 0, 0);
+    let (mut damping, mut small_steps, mut rollouts, mut steps) = (settings.damping, SmallSteps::default(), 0, 0);
     let resolves = settings.resolution > 0.0;
     let mut exact = Exact::none();
     if settings.first_measured && resolves {
@@ -157,9 +157,7 @@ pub(crate) fn minimise(
             continue;
         };
         let still = distance(problem, &point, &candidate) < settings.still;
-        small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
-        slow_steps = if resolves && gain <= SLOW_GAIN * square { slow_steps + 1 } else { 0 };
-        let small = small_steps >= settings.small_steps || slow_steps >= SLOW_STEPS;
+        let small = small_steps.after(gain, square, settings);
         let arrived = still || gain <= settings.tolerance_share * cost || small;
         let trusted = gain >= TRUSTED * promised;
         exact.moved_sds += (promised / square).sqrt();
@@ -190,6 +188,25 @@ pub(crate) fn minimise(
     };
     let derivatives = exact.columns.filter(|_| cut_short || exact.moved_sds < NEAR_SDS);
     Ok(Minimum { point, residuals, equations, derivatives, cut_short, rollouts })
+}
+
+/// Steps in a row that gained next to nothing.
+#[derive(Default)]
+struct SmallSteps {
+    /// By the tolerance of the settings.
+    tolerated: usize,
+    /// By [`SLOW_GAIN`].
+    slow: usize,
+}
+
+impl SmallSteps {
+    /// Takes what a step gained, where residuals have this mean square; whether so many were enough.
+    fn after(&mut self, gain: f64, square: f64, settings: &Settings) -> bool {
+        self.tolerated = if gain <= settings.tolerance { self.tolerated + 1 } else { 0 };
+        let slow = settings.resolution > 0.0 && gain <= SLOW_GAIN * square;
+        self.slow = if slow { self.slow + 1 } else { 0 };
+        self.tolerated >= settings.small_steps || self.slow >= SLOW_STEPS
+    }
 }
 
 /// One linearisation from which damped steps are tried.
@@ -415,6 +432,20 @@ mod tests {
         let (found, accepted) = fitted(&Lines::new(1.0, &[0.0]), &Settings { steps: 0, ..Settings::EXACT });
         assert_eq!((accepted, found.point.parameters[1]), (0, 0.0));
         assert!((found.equations.covariance()[(0, 0)] - 0.2).abs() < 1e-6);
+    }
+
+    /// Only steps in a row count, and only in a fit that is resolved no farther than answers show.
+    #[test]
+    fn slow_steps_end_a_resolved_fit_alone() {
+        let after = |settings: &Settings, gains: &[f64]| {
+            let mut steps = SmallSteps::default();
+            gains.iter().map(|gain| steps.after(*gain, 1.0, settings)).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            after(&Settings::RESOLVED, &[1e-4, 1e-4, 1.0, 1e-4, 1e-4, 1e-4]),
+            [false, false, false, false, false, true]
+        );
+        assert_eq!(after(&Settings::EXACT, &[1e-4; 4]), [false; 4]);
     }
 
     #[test]

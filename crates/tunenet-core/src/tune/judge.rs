@@ -76,6 +76,9 @@ impl Tuning<'_> {
         if self.settings.quick {
             let text = "only the first fit was made; intervals are those of the curvature, and were not checked";
             notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for checked intervals"));
+        } else if self.takes_curvature(fit) {
+            let text = "the fit is poor: intervals are those of the curvature, and were not checked";
+            notes.push(Note::new(findings::INTERVALS_CURVATURE, text, ""));
         }
         let Some(most) = self.settings.max_rollouts.filter(|_| self.log.was_short()) else { return };
         let what = if fit.cut_short {

@@ -422,10 +422,6 @@ impl Tuning<'_> {
         let Uncertainty { scale, known, interval95, calibration } = self.uncertainty(&mut fit, &grid)?;
         let mut poor = self.poor(&fit);
         self.report_limits(&fit, &mut notes);
-        if !self.settings.quick && self.takes_curvature(&fit) {
-            let text = "the fit is poor: intervals are those of the curvature, and were not checked";
-            notes.push(Note::new(findings::INTERVALS_CURVATURE, text, ""));
-        }
         if self.settings.finish && !poor && !self.settings.quick {
             let disagree = self.disagreement(&fit)?;
             poor = disagree.is_some();
