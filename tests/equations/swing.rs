@@ -137,3 +137,28 @@ fn a_gap_over_several_units_is_in_noise() {
     assert!((of(&gap, "after") - 1.0).abs() < 0.15 && of(&gap, "before") > 20.0, "{gap}");
     assert!((of(&gap, "before") / of(&other, "before") - 1.0).abs() < 1e-3, "{gap} {other}");
 }
+
+/// One recording of three is in degrees under the name of radians: the poor fit says which.
+#[test]
+fn a_recording_in_another_unit_is_named() {
+    let folder = Folder::new();
+    folder.write(
+        "turn.toml",
+        "kind = \"equations\"\n[states]\n[states.q_rad]\n[start.q_rad]\nvalue = 0.0\n[derivatives]\nq_rad = \"w * cos(w*t_s)\"\n\
+         [outputs]\nq_rad = \"q_rad\"\n[parameters.w]\nvalue = 2.0\nmin = 0.1\nmax = 9.0\nunit = \"rad/s\"\n",
+    );
+    let mut noise = Noise(5);
+    for (name, scale) in [("a.csv", 1.0), ("b.csv", 180.0 / std::f64::consts::PI), ("c.csv", 1.0)] {
+        let mut text = String::from("t_s,q_rad\n");
+        for i in 0..200 {
+            let t = f64::from(i) * 0.02;
+            writeln!(text, "{t},{}", scale * ((3.0 * t).sin() + 0.002 * noise.normal())).unwrap();
+        }
+        folder.write(name, text);
+    }
+    let json = folder.run("tune --sim turn.toml a.csv b.csv c.csv --json").ends(3).json();
+    let said: Vec<&str> = json["warnings"].as_array().unwrap().iter().filter_map(|w| w["text"].as_str()).collect();
+    assert!(said.iter().any(|text| text.starts_with("b.csv: `q_rad` varies 57 times as much as")), "{json:#}");
+    let alike = folder.run("tune --sim turn.toml a.csv c.csv --json").ends(0).json();
+    assert!(!codes(&alike).contains(&"units.differ"), "{alike:#}");
+}

@@ -16,6 +16,9 @@ finding_kinds! {
         "recordings of one object differ in these keys of the scene; a written file keeps what the simulation file says of them, and \
          `observations` of its `[provenance]` has the keys of each recording under `scene`",
         "none needed";
+    warning UNITS_DIFFER = "units.differ",
+        "a channel or an input of one recording varies by another order of magnitude than in the others",
+        "check its unit: degrees among radians, or milli-units, look like that";
     warning CHECKPOINT_INCOMPLETE = "checkpoint.incomplete",
         "the checkpoint does not hold all rollouts; the answer is not affected",
         "free some space, or name a file on another disk, before a long tuning";

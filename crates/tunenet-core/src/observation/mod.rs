@@ -14,6 +14,7 @@ mod local_parabola;
 mod noise;
 mod note;
 mod number;
+mod odd_scale;
 mod outliers;
 mod resample;
 
@@ -27,6 +28,7 @@ pub use local::{LocalEstimate, widened};
 pub use noise::{noise_sd, step};
 pub use note::Note;
 pub use number::{three_digits, with_decimals};
+pub use odd_scale::{OddScale, odd_scales};
 pub use resample::resample;
 
 use std::sync::Arc;
