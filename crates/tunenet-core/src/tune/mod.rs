@@ -343,7 +343,8 @@ impl Tuning<'_> {
     /// Whether intervals are those of the curvature: of a poor fit of recordings with inputs, they say how far the answer depends on noise
     /// and not how far it is off, and a profile likelihood takes many times the rollouts of the fit.
     fn takes_curvature(&self, fit: &Fit) -> bool {
-        !self.free.is_empty() && self.recordings.iter().all(Prepared::has_inputs) && self.poor(fit)
+        let rolls_on = |recording: &Prepared| recording.has_inputs() && !recording.memoryless;
+        !self.free.is_empty() && self.recordings.iter().all(rolls_on) && self.poor(fit)
     }
 
     /// How well the free parameters are known at `fit`, whose covariance is stated by the way.
