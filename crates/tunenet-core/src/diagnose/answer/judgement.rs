@@ -5,7 +5,7 @@ use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
 use crate::diagnose::answer::verdict::{Decision, decide};
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::evidence::rmse;
+use crate::diagnose::evidence::{Evidence, rmse};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::adequacy::noise_correlation;
@@ -86,7 +86,8 @@ impl<'a> Judgement<'a> {
         let doubt = doubt.filter(|_| whole);
         let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
-        let doubt = doubt.or(differs).or(random).filter(|_| !found.places.is_empty());
+        let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::DiscrepancyRemains);
+        let doubt = doubt.or(differs).or(random).or(unvaried).filter(|_| !found.places.is_empty());
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();
@@ -135,6 +136,16 @@ impl<'a> Judgement<'a> {
 pub(in crate::diagnose) fn root_mean_square(context: &Context, model: &Hypothesis) -> Result<f64> {
     let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
     Ok(rmse(context.sets(), &plain, 0.0))
+}
+
+/// Whether recordings of several channels, which no simulation explains down to their noise, all have one setup. Effects that have a number
+/// for each channel then follow what is left of one of them, and nothing that varies shows whether they are what it is.
+fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
+    let setup = |set: &Set| set.prepared.circumstances.as_ref().map(|known| known.setup);
+    let first = evidence.training.first();
+    evidence.discrepancy()
+        && first
+            .is_some_and(|first| first.width() > 1 && evidence.training.iter().all(|set| setup(set) == setup(first)))
 }
 
 /// Whether the effects raise the residual of recordings that were not fitted.
