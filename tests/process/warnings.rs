@@ -88,9 +88,10 @@ fn a_program_that_is_wrong_for_a_while_is_told() {
     // Whoever asks again after every hundred rollouts, as requests 103, 204 and so on, hears nothing but right answers.
     let wrong = "k += 1e-9 if 30 <= (id - 3) % 101 < 60 else 0\n";
     let folder = decay(wrong, &|scene| scene.replace("[record]", "workers = 1\n[record]"));
+    // Each time it is asked again, three of ten times it is found out; in which order threads ask varies.
     crate::common::refused(
         &folder,
-        "gen process --sim a.toml --allow-process --pairs 600 --out a.mcap",
+        "gen process --sim a.toml --allow-process --pairs 3000 --out a.mcap",
         &["expected the same answer to the same parameters", "when asked again after"],
     );
 }
