@@ -102,17 +102,26 @@ impl Answer<'_> {
         Some((found, found.answer.members.first()?))
     }
 
-    /// The joint that a coefficient of an effect belongs to, `joint 2` of an arm and by its name of a robot; `None` where it is of no joint.
-    pub fn joint_of(&self, named: &NamedEffect, coefficient: usize) -> Option<String> {
-        let key = &named.coefficients[coefficient].key;
-        let before = named.coefficients[..coefficient].iter().filter(|other| other.key == *key).count();
-        let several = named.coefficients.iter().filter(|other| other.key == *key).count() > 1;
-        let file = &self.loaded.objects.first()?.file;
-        match file.domain() {
-            Domain::Robot if several => joint_names(file).ok()?.into_iter().nth(before),
-            Domain::Arm => is_per_joint(named).then(|| format!("joint {}", before + 1)),
-            _ => None,
-        }
+    /// The keys of an effect's coefficients, in order; those that stand there for several joints with the joint: `nm of joint 2` of an arm,
+    /// and by its name of a robot.
+    pub fn keys_of(&self, named: &NamedEffect) -> Vec<String> {
+        let coefficients = &named.coefficients;
+        let of_key = |fitted: &Fitted| coefficients.iter().filter(|other| other.key == fitted.key).count();
+        let domain = self.loaded.objects.first().map(|object| (object.file.domain(), &object.file));
+        let names = match domain {
+            Some((Domain::Robot, file)) if coefficients.iter().any(|fitted| of_key(fitted) > 1) => {
+                joint_names(file).unwrap_or_default()
+            }
+            Some((Domain::Arm, _)) if is_per_joint(named) => {
+                (1..=coefficients.len()).map(|number| format!("joint {number}")).collect()
+            }
+            _ => Vec::new(),
+        };
+        let each = coefficients.iter().enumerate().map(|(i, fitted)| {
+            let before = coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
+            names.get(before).map_or_else(|| fitted.key.to_string(), |joint| format!("{} of {joint}", fitted.key))
+        });
+        each.collect()
     }
 
     /// Effects of the catalogue that explain as much as the laws of the answer.

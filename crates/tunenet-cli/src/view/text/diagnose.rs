@@ -203,10 +203,7 @@ fn details(answer: &Answer) -> Vec<String> {
     let diagnosis = answer.diagnosis;
     let mut lines: Vec<String> = diagnosis.conclusion.description().map(Into::into).into_iter().collect();
     for named in diagnosis.effects() {
-        for (i, fitted) in named.coefficients.iter().enumerate() {
-            let key = answer
-                .joint_of(named, i)
-                .map_or_else(|| fitted.key.to_string(), |joint| format!("{} of {joint}", fitted.key));
+        for (fitted, key) in named.coefficients.iter().zip(answer.keys_of(named)) {
             let unit = if fitted.unit == "1" { "" } else { &fitted.unit };
             for value in &fitted.values {
                 let object = answer.object(value).filter(|_| fitted.values.len() > 1);

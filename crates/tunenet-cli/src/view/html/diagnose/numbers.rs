@@ -33,7 +33,7 @@ fn short(bound: f64) -> String {
 /// One row for each coefficient of each object.
 struct Row<'a> {
     named: &'a NamedEffect,
-    key: &'a str,
+    key: String,
     unit: &'a str,
     value: &'a Value,
     plausible: (f64, f64),
@@ -41,13 +41,15 @@ struct Row<'a> {
 
 fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
     let effects = answer.diagnosis.effects().iter();
-    let fitted =
-        effects.flat_map(|named| named.coefficients.iter().enumerate().map(move |(i, fitted)| (named, fitted, i)));
+    let fitted = effects.flat_map(|named| {
+        let each = named.coefficients.iter().zip(answer.keys_of(named)).enumerate();
+        each.map(move |(i, (fitted, key))| (named, fitted, key, i))
+    });
     fitted
-        .flat_map(|(named, fitted, i)| {
+        .flat_map(|(named, fitted, key, i)| {
             fitted.values.iter().map(move |value| Row {
                 named,
-                key: &fitted.key,
+                key: key.clone(),
                 unit: &fitted.unit,
                 value,
                 plausible: answer.plausible(named, i, value),
