@@ -152,6 +152,21 @@ fn part_gap(mine: &[&Explained], channel: Option<usize>) -> Option<PartGap> {
     })
 }
 
+impl Explained {
+    /// Root mean square of these residuals, [`before`](Explained::before) or [`after`](Explained::after), over what counted, in the unit of
+    /// the [gap](crate::observation::gap_unit).
+    #[must_use]
+    pub fn root_mean_square(&self, residuals: &[f64]) -> f64 {
+        let width = self.noise.len();
+        let one_unit = common_unit(self.seen.channels()).is_some();
+        let unit = |c: usize| if one_unit { self.noise[c] } else { self.noise[c] / self.measured_noise[c] };
+        let counted = residuals.iter().enumerate().filter(|(i, _)| self.kept[*i]);
+        let (sum, count) = counted.fold((0.0, 0.0), |(s, n), (i, r)| (s + (r * unit(i % width)).powi(2), n + 1.0));
+        let values_per_sample = if one_unit { width as f64 } else { 1.0 };
+        (sum * values_per_sample / f64::max(count, 1.0)).sqrt()
+    }
+}
+
 /// Root mean square of `value` (of a recording, a position in it, a channel) over what counted; all channels of a sample count once.
 fn part_rms<'e>(
     recordings: impl Iterator<Item = &'e Explained>,

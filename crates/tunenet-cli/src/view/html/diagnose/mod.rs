@@ -11,7 +11,7 @@ mod pairs;
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::diagnose::{Change, Diagnosis, Explained, GapOf, Verdict};
+use tunenet_core::diagnose::{Change, Diagnosis, GapOf, Verdict};
 use tunenet_core::observation::{Kind, with_decimals};
 use tunenet_formats::Result;
 use tunenet_sim::phase;
@@ -231,21 +231,10 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<Pair> {
     let named = !diagnosis.effects().is_empty();
     let held = diagnosis.explained.iter().filter(|one| one.held_out).take(MOST_PAIRS);
     held.map(|one| {
-        let before = named.then(|| distance(one, &one.before));
-        pair(&left_over::label(one), before, distance(one, &one.after), |v| quantity(v, unit))
+        let before = named.then(|| one.root_mean_square(&one.before));
+        pair(&left_over::label(one), before, one.root_mean_square(&one.after), |v| quantity(v, unit))
     })
     .collect()
-}
-
-/// Root mean square of what counted, in the unit of the gap: a sample of several channels counted once where they have one unit.
-fn distance(one: &Explained, residual: &[f64]) -> f64 {
-    let width = one.noise.len();
-    let one_unit = one.seen.common_unit().is_some();
-    let value = |c: usize| if one_unit { one.noise[c] } else { one.noise[c] / one.measured_noise[c] };
-    let counted = residual.iter().enumerate().filter(|(i, _)| one.kept[*i]);
-    let (sum, count) = counted.fold((0.0, 0.0), |(s, n), (i, r)| (s + (r * value(i % width)).powi(2), n + 1.0));
-    let values_per_sample = if one_unit { width as f64 } else { 1.0 };
-    (sum * values_per_sample / f64::max(count, 1.0)).sqrt()
 }
 
 /// What was fitted, and whether what is left is noise.
