@@ -157,10 +157,31 @@ fn worse_on_held_out(before: Option<&HeldOut>, after: Option<&HeldOut>) -> Optio
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+    use crate::observation::Circumstances;
 
     use crate::diagnose::strategy::explain;
+
+    #[test]
+    fn several_channels_in_one_setup_are_doubted() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let mut evidence = Evidence::clone(&context.evidence);
+            for set in &mut evidence.training {
+                set.prepared.discrepancy = true;
+            }
+            assert!(!is_one_setup_of_several_channels(&evidence), "a single channel");
+            for set in &mut evidence.training {
+                set.noise.push(1.0);
+            }
+            assert!(is_one_setup_of_several_channels(&evidence));
+            let other = Circumstances { setup: 1, ..Circumstances::default() };
+            evidence.training[1].prepared.circumstances = Some(Arc::new(other));
+            assert!(!is_one_setup_of_several_channels(&evidence), "another setup");
+        });
+    }
 
     #[test]
     fn a_hypothesis_is_reported_with_its_effects() {
