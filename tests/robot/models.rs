@@ -226,16 +226,18 @@ fn validate_a_written_model_against_mujoco_within_a_milliradian() {
     }
 }
 
+/// A folder with the published model of an arm, and the path of a data set that such an arm recorded; `None` where they are not there.
+fn so101() -> Option<(Folder, String)> {
+    let (data, models) = (recorded::measured("lerobot-v3-so101")?, recorded::measured("models/so101")?);
+    let folder = Folder::new();
+    folder.write("so101.xml", std::fs::read(models.join("so101_new_calib.xml")).unwrap());
+    Some((folder, data.display().to_string()))
+}
+
 /// From a public data set and a public model to a file that the readers of both accept; units are asked for, never guessed.
 #[test]
 fn a_data_set_names_the_joints_of_its_robot() {
-    let (Some(data), Some(models)) = (recorded::measured("lerobot-v3-so101"), recorded::measured("models/so101"))
-    else {
-        return;
-    };
-    let folder = Folder::new();
-    folder.write("so101.xml", std::fs::read(models.join("so101_new_calib.xml")).unwrap());
-    let data = data.display().to_string();
+    let Some((folder, data)) = so101() else { return };
     let ran = folder.call(&["init", "robot", "--model", "so101.xml", "--from", &data]).ends(0);
     let text = folder.text("robot.toml");
     for part in ["[joints.gripper]", "column = \"action.shoulder_pan\"", "observe = [\"elbow_flex_rad\"]"] {
@@ -275,13 +277,7 @@ fn a_data_set_names_the_joints_of_its_robot() {
 /// tuned, and the model gets them.
 #[test]
 fn a_real_arm_is_tuned_by_an_episode() {
-    let (Some(data), Some(models)) = (recorded::measured("lerobot-v3-so101"), recorded::measured("models/so101"))
-    else {
-        return;
-    };
-    let folder = Folder::new();
-    folder.write("so101.xml", std::fs::read(models.join("so101_new_calib.xml")).unwrap());
-    let data = data.display().to_string();
+    let Some((folder, data)) = so101() else { return };
     folder.call(&["init", "robot", "--model", "so101.xml", "--from", &data]).ends(0);
     // Two joints, the others held: a rollout of all takes ten times as long.
     let others = ["shoulder_lift", "elbow_flex", "wrist_flex", "gripper"];
