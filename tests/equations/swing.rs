@@ -109,7 +109,7 @@ fn values_that_no_rollout_can_follow_are_refused_in_a_sentence() {
     assert!(!codes(&json).iter().any(|code| code.contains("refused")), "{json:#}");
 }
 
-/// Two channels of different units: the gap is in standard deviations of their noise, whatever the units are.
+/// Two channels of different units: the gap is in standard deviations of their noise, so that it does not depend on the units.
 #[test]
 fn a_gap_over_several_units_is_in_noise() {
     let tuned = |scale: f64| {

@@ -9,7 +9,7 @@ use crate::simulator::{Parameter, Prepared, STATE, Simulator};
 
 /// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
-/// The same for an initial state, which nothing touches or releases: a name that nothing reads changes nothing however far it moves.
+/// The same for an initial state, so large that it shows above noise that a wrong unit makes large: what nothing reads changes nothing.
 const NUDGE_OF_STATE: f64 = 1e-3;
 /// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
