@@ -93,6 +93,10 @@ impl LeastSquares for Window<'_> {
     fn allowance(&self) -> Option<usize> {
         self.problem.log.and_then(RolloutLog::allowance)
     }
+
+    fn spent(&self) -> usize {
+        self.problem.log.map_or(0, RolloutLog::count)
+    }
 }
 
 /// The residuals at a fit, linear in every parameter: a column of derivatives for each.
@@ -137,6 +141,11 @@ impl Linearisation {
 impl Problem<'_> {
     fn window(&self, horizon: f64) -> Window<'_> {
         Window { problem: self, recordings: (0..self.recordings.len()).collect(), horizon }
+    }
+
+    /// How many rollouts the first step takes at most.
+    pub(crate) fn first_step(&self) -> usize {
+        self.window(1.0).first_step()
     }
 
     /// What is wrong where a first step takes more rollouts than are allowed.

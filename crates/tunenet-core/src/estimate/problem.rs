@@ -111,10 +111,22 @@ pub(crate) trait LeastSquares: Sync {
         None
     }
 
+    /// How many rollouts were made so far.
+    fn spent(&self) -> usize {
+        0
+    }
+
+    /// How many rollouts the first step takes at most.
+    fn first_step(&self) -> usize {
+        let columns: usize = self.recordings().iter().map(|&d| self.touched(d).len() + self.nuisances(d).len()).sum();
+        2 * (self.recordings().len() + columns)
+    }
+
     /// What is wrong where a first step takes more rollouts than are allowed.
     fn unaffordable(&self) -> Error {
-        let columns: usize = self.recordings().iter().map(|&d| self.touched(d).len() + self.nuisances(d).len()).sum();
-        let least = 2 * (self.recordings().len() + columns);
+        let step = self.first_step();
+        // Where that many are allowed, other work took some of them.
+        let least = if self.allowance().is_some_and(|allowed| allowed >= step) { self.spent() + step } else { step };
         let expected = format!("at least {least} rollouts, which the first step takes");
         let found = self.allowance().map_or_else(|| "fewer".into(), |allowed| allowed.to_string());
         Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found }

@@ -65,13 +65,15 @@ pub enum Phase {
 pub struct RolloutLog {
     shared: Arc<Shared>,
     variant: usize,
+    /// Rollouts of the allowance that are kept for other work.
+    reserved: usize,
+    /// Whether a rollout beyond the allowance is refused; otherwise only what asks beforehand is ended.
+    strict: bool,
 }
 
 #[derive(Debug, Default)]
 struct Shared {
     allowance: Option<usize>,
-    /// Whether a rollout beyond the allowance is refused; otherwise only what asks beforehand is ended.
-    strict: bool,
     store: Option<Arc<dyn RolloutStore>>,
     watch: Option<Arc<dyn Watch>>,
     answered: Mutex<HashMap<Request, Vec<f64>>>,
@@ -83,13 +85,19 @@ impl RolloutLog {
     /// An empty log: at most `allowance` rollouts, answers kept in `store`, and `watch` notified, where there are any.
     #[must_use]
     pub fn new(allowance: Option<usize>, store: Option<Arc<dyn RolloutStore>>, watch: Option<Arc<dyn Watch>>) -> Self {
-        Self { shared: Arc::new(Shared { allowance, store, watch, ..Shared::default() }), variant: 0 }
+        Self { shared: Arc::new(Shared { allowance, store, watch, ..Shared::default() }), ..Self::default() }
     }
 
     /// The same log for another variant of the simulator, whose answers differ.
     #[must_use]
     pub(crate) fn variant(&self, variant: usize) -> Self {
-        Self { shared: Arc::clone(&self.shared), variant }
+        Self { variant, ..self.clone() }
+    }
+
+    /// The same log for work that has to leave this many rollouts of the allowance.
+    #[must_use]
+    pub(crate) fn reserving(&self, reserved: usize) -> Self {
+        Self { reserved, ..self.clone() }
     }
 
     /// How many rollouts were made.
@@ -125,12 +133,19 @@ impl RolloutLog {
     /// An empty log with what is left of the allowance and no rollout beyond it, for work without which the answer stands.
     pub(crate) fn remainder(&self) -> Self {
         let allowance = self.shared.allowance.map(|allowance| allowance.saturating_sub(self.count()));
-        Self { shared: Arc::new(Shared { allowance, strict: true, ..Shared::default() }), variant: 0 }
+        Self { shared: Arc::new(Shared { allowance, ..Shared::default() }), strict: true, ..Self::default() }
+    }
+
+    /// The same log, which refuses a rollout beyond the allowance.
+    #[must_use]
+    pub(crate) fn strict(&self) -> Self {
+        Self { strict: true, ..self.clone() }
     }
 
     /// Whether the allowance still holds so many rollouts; what does not fit is remembered, see [`was_short`](Self::was_short).
     pub(crate) fn affords(&self, rollouts: usize) -> bool {
-        let affords = self.shared.allowance.is_none_or(|allowance| self.count() + rollouts <= allowance);
+        let needed = self.count() + rollouts + self.reserved;
+        let affords = self.shared.allowance.is_none_or(|allowance| needed <= allowance);
         if !affords {
             self.shared.short.store(true, Ordering::Relaxed);
         }
@@ -183,7 +198,7 @@ impl RolloutLog {
         if let Some(known) = self.answered().get(&request) {
             return Ok(known.clone());
         }
-        if self.shared.strict {
+        if self.strict {
             self.spend()?;
         } else {
             self.add(1);
@@ -245,6 +260,9 @@ mod tests {
         ask(&log, 1, &values);
         ask(&log.variant(1), 1, &values);
         assert!(log.count() == 3 && !log.was_short() && log.affords(0) && !log.affords(1) && log.was_short());
+        let wider = RolloutLog::new(Some(3), None, None);
+        let rest = wider.reserving(2);
+        assert!(rest.affords(1) && !rest.affords(2) && wider.affords(3));
         assert_eq!((log.spend().is_err(), log.count()), (true, 3));
         // What is left of it allows nothing new.
         let rest = log.remainder();

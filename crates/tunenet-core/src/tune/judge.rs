@@ -4,7 +4,7 @@ use crate::findings;
 use nalgebra::DMatrix;
 
 use super::Tuning;
-use super::outcome::{Estimate, Status, Verdict};
+use super::outcome::{Estimate, Status, Stop, Verdict};
 use super::starts::local_estimate;
 use crate::estimate::{Adequacy, Fit, Information, Interval, Point, ScaleEstimate, UNINFORMATIVE_SHARE, floor};
 use crate::observation::{Kind, Note, three_digits, with_decimals};
@@ -71,23 +71,27 @@ impl Tuning<'_> {
         }
     }
 
-    /// Reports where fewer rollouts were allowed, or asked for, than the answer takes.
-    pub(super) fn report_limits(&self, fit: &Fit, notes: &mut Vec<Note>) {
+    /// Reports where intervals were not checked.
+    pub(super) fn report_unchecked(&self, fit: &Fit, notes: &mut Vec<Note>) {
         if self.settings.quick {
             let text = "only the first fit was made; intervals are those of the curvature, and were not checked";
             notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for checked intervals"));
-        } else if self.takes_curvature(fit) {
+        } else if !fit.cut_short && self.takes_curvature(fit) {
             let text = "the fit is poor: intervals are those of the curvature, and were not checked";
             notes.push(Note::new(findings::INTERVALS_CURVATURE, text, ""));
         }
-        let Some(most) = self.settings.max_rollouts.filter(|_| self.log.was_short()) else { return };
-        let what = if fit.cut_short {
+    }
+
+    /// What is said where the limit on rollouts ended something.
+    pub(super) fn limit_note(&self, stop: Stop) -> Option<Note> {
+        let most = self.settings.max_rollouts.filter(|_| self.log.was_short())?;
+        let what = if stop == Stop::Limit {
             "ended the fit before it had converged"
         } else {
             "ended searches and checks after the fit; intervals that were not checked are those of the curvature"
         };
         let text = format!("the limit of {most} rollouts {what}");
-        notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
+        Some(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"))
     }
 
     /// There are no more numbers than parameters: such a fit is always exact, so there is no estimate of its uncertainty.

@@ -44,7 +44,6 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use crate::estimate::{GridPoint, curved, ends_with, weights};
-use crate::findings;
 use crate::network::Model;
 use crate::observation::{Note, Observation, gap_unit};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -180,19 +179,15 @@ pub fn tune(
     outcome.notes.splice(0..0, notes);
     (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
-        let noted = log.was_short();
         let mut all = Vec::new();
         for (d, (recording, nuisances)) in recordings.iter().zip(&point.nuisances).enumerate() {
             let at = (point.parameters.as_slice(), nuisances.as_slice());
-            all.push(observable_nuisances::observable_nuisances(simulator, (d, recording), &noise[d], at, &log)?);
+            all.push(observable_nuisances::observable_nuisances(simulator, (d, recording), &noise[d], at, &log));
         }
         outcome.notes.extend(observable_nuisances::silent_states(&recordings, &all));
         outcome.nuisances = all;
-        if let Some(most) = settings.max_rollouts.filter(|_| log.was_short() && !noted) {
-            let text = format!("the limit of {most} rollouts left none to see which start states the recordings show");
-            outcome.notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
-        }
     }
+    outcome.notes.extend(tuning.limit_note(outcome.stop));
     outcome.rollouts = log.count();
     outcome.recordings = recordings;
     Ok(outcome)
@@ -384,11 +379,31 @@ impl Tuning<'_> {
         Ok((walk.iterations, nuisances.point))
     }
 
+    /// The recordings' nuisance parameters fitted at `start`, or their first guesses where a limit leaves too few rollouts for that besides
+    /// the first step of the fit.
+    ///
+    /// # Errors
+    /// Where the limit does not even leave these, and where the simulator refuses.
+    fn fit_nuisances(&self, start: &Point) -> Result<Fit> {
+        let problem = self.problem();
+        let first_step = problem.first_step();
+        if self.log.allowance().is_some_and(|allowed| allowed < first_step) {
+            return Err(problem.unaffordable());
+        }
+        let log = self.log.reserving(first_step);
+        let nuisances = Problem { free: &[], log: Some(&log), ..self.problem() };
+        let none = self.recordings.iter().all(|recording| recording.nuisances.is_empty());
+        if none || log.affords(nuisances.first_step()) {
+            return Problem { log: Some(if none { self.log } else { &log }), ..nuisances }.fit(start.clone(), 1.0);
+        }
+        Problem { log: Some(self.log), ..nuisances }.evaluate(start.clone())
+    }
+
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
         // The gap before is the old parameters' best: only the recordings' nuisance parameters are fitted.
-        let before = Problem { free: &[], ..self.problem() }.fit(start.clone(), 1.0)?;
+        let before = self.fit_nuisances(&start)?;
         let gap_before = problem.rmse(&before.residuals);
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
         let mut near = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
@@ -422,7 +437,7 @@ impl Tuning<'_> {
         }
         let Uncertainty { scale, known, interval95, calibration } = self.uncertainty(&mut fit, &grid)?;
         let mut poor = self.poor(&fit);
-        self.report_limits(&fit, &mut notes);
+        self.report_unchecked(&fit, &mut notes);
         if self.settings.finish && !poor && !self.settings.quick {
             let disagree = self.disagreement(&fit)?;
             poor = disagree.is_some();

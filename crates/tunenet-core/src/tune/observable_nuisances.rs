@@ -1,7 +1,6 @@
 //! Local observability of nuisance parameters by finite differences: which of them change what was measured. The height of a
 //! surface that is never touched does not, nor a position along an axis that was not measured.
 
-use crate::Result;
 use crate::estimate::RolloutLog;
 use crate::findings;
 use crate::observation::Note;
@@ -14,36 +13,31 @@ const NUDGE_OF_STATE: f64 = 1e-3;
 /// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
 
-/// The nuisance parameters of a recording, with their values `nuisances`, on which a measured channel depends; all of them where
-/// fewer rollouts are allowed than it takes to find out.
-///
-/// # Errors
-/// Where the simulator refuses the values themselves.
+/// The nuisance parameters of a recording, with their values `nuisances`, on which a measured channel depends; each of them where
+/// a limit on rollouts leaves none to find out.
 pub(super) fn observable_nuisances(
     simulator: &dyn Simulator,
     (d, recording): (usize, &Prepared),
     noise: &[f64],
     (parameters, nuisances): (&[f64], &[f64]),
     log: &RolloutLog,
-) -> Result<Vec<Parameter>> {
+) -> Vec<Parameter> {
     if nuisances.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let valued = |(i, p): (usize, &Parameter)| Parameter { value: nuisances[i], ..p.clone() };
-    if !log.affords(2 * nuisances.len() + 1) {
-        return Ok(recording.nuisances.iter().enumerate().map(valued).collect());
-    }
+    let log = log.strict();
     let predict =
         |nuisances: &[f64]| log.predict(simulator, (d, recording), parameters, nuisances, recording.seen.len());
     let width = noise.len();
     // A channel that never varies, not even by noise, was not measured.
     let measured: Vec<bool> =
         (0..width).map(|c| recording.seen.column(c).any(|v| v != recording.seen.row(0)[c])).collect();
-    let here = predict(nuisances)?;
+    let Ok(here) = predict(nuisances) else { return recording.nuisances.iter().enumerate().map(valued).collect() };
     let moves = |i: usize, step: f64| {
         let mut moved = nuisances.to_vec();
         moved[i] += step;
-        // A step that cannot be simulated makes a difference.
+        // A step that cannot be simulated, or must not be, counts as a difference.
         predict(&moved).map_or(true, |there| {
             let differs =
                 |(k, (a, b)): (usize, (&f64, &f64))| measured[k % width] && (a - b).abs() > LEAST * noise[k % width];
@@ -57,7 +51,7 @@ pub(super) fn observable_nuisances(
         moves(*i, step) && moves(*i, -step)
     };
     let kept = recording.nuisances.iter().enumerate().filter(seen);
-    Ok(kept.map(valued).collect())
+    kept.map(valued).collect()
 }
 
 /// What is said of initial states that no recording shows, where `observable` are the nuisance parameters that each shows.
