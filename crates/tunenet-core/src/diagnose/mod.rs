@@ -44,10 +44,10 @@ pub use judge::Test;
 pub use judge::validation_doubt::Doubt;
 pub use pipeline::{Explanation, Problem, Strategy};
 
-use crate::estimate::RolloutLog;
+use crate::estimate::{RolloutLog, unread_states};
 use crate::findings;
 use crate::observation::Note;
-use crate::simulator::Preparation;
+use crate::simulator::{Preparation, Prepared};
 use crate::{Error, Origin, Result};
 use answer::insufficient::too_few_rollouts;
 use evidence::copies;
@@ -155,5 +155,22 @@ pub fn diagnose_with(
         let text = "whole recordings were searched once; single recordings, segments and laws were not searched, and no experiment was designed";
         best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for the full search"));
     }
+    best.diagnosis.notes.extend(unread_starts(subjects, &sets, &rollouts));
     Ok(Diagnosis { rollouts: rollouts.count(), ..best.diagnosis })
+}
+
+/// What is said of initial states that change nothing at the first guesses, in any recording of a subject.
+fn unread_starts(subjects: &[Subject], sets: &[Set], rollouts: &RolloutLog) -> Vec<Note> {
+    let of = |(object, subject): (usize, &Subject)| {
+        let ready = || sets.iter().filter(|set| set.object == object).map(Set::prepared);
+        let guesses: Vec<Vec<f64>> = ready().map(Prepared::nuisance_values).collect();
+        let each = ready().zip(&guesses).enumerate().map(|(d, (one, nuisances))| (d, one, nuisances.as_slice()));
+        let parameters: Vec<f64> = subject.simulator.parameters().iter().map(|p| p.value).collect();
+        let log = rollouts.remainder();
+        let notes = unread_states(subject.simulator, &each.collect::<Vec<_>>(), &parameters, &log);
+        rollouts.add(log.count());
+        let whose = if subjects.len() > 1 { format!("{}: ", subject.name) } else { String::new() };
+        notes.into_iter().map(move |note| Note { text: format!("{whose}{}", note.text), ..note }).collect::<Vec<_>>()
+    };
+    subjects.iter().enumerate().flat_map(of).collect()
 }

@@ -17,6 +17,7 @@
 //! | `misfit_grid` | grid of profiled misfits |
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `variance_components` | restricted likelihood of two variance components |
+//! | `unread_states` | local observability of initial states |
 //! | `adequacy` | residual against noise |
 //! | `projection`, `canonical_correlation` | Frisch–Waugh projection; correlation of two spans |
 //! | `information_criterion` | Bayesian information criterion |
@@ -43,6 +44,7 @@ mod profile;
 pub(crate) mod projection;
 mod region;
 mod rollout_log;
+mod unread_states;
 mod variance_components;
 
 pub use adequacy::Adequacy;
@@ -59,3 +61,4 @@ pub use problem::Point;
 pub use profile::{Profile, profile};
 pub use region::Region;
 pub use rollout_log::{Phase, Request, RolloutLog, RolloutStore, Watch};
+pub(crate) use unread_states::{STATE_STEP, unread_states};

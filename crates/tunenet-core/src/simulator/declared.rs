@@ -51,6 +51,11 @@ pub trait Model: Send + Sync {
         false
     }
 
+    /// Whether it refuses initial states that it does not know.
+    fn checks_states(&self) -> bool {
+        false
+    }
+
     /// Examines a recording that was made ready as it was declared: cuts it, notes what is odd, or rejects it. By default it is
     /// usable as it is.
     ///
@@ -235,10 +240,12 @@ impl<M: Model + 'static> Simulator for Declared<M> {
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
         let states = self.states(known.setup)?;
         known.start = states.iter().map(|state| state.value(seen)).collect();
-        for (state, value) in states.iter().zip(&known.start) {
+        for (position, (state, value)) in states.iter().zip(&known.start).enumerate() {
             if let Some((nuisance, sd)) = state.nuisance(*value)? {
                 prepared.nuisances.push(nuisance);
                 prepared.prior_sd.push(sd);
+            } else if !self.model.checks_states() {
+                prepared.known_states.push((position, state.name.clone()));
             }
         }
         prepared.circumstances = Some(Arc::new(known));

@@ -31,6 +31,10 @@ pub struct Prepared {
     /// Standard deviations of the priors of the nuisance parameters around their first guesses, in their order; of one that is
     /// missing here the prior is as wide as its bounds.
     pub prior_sd: Vec<f64>,
+    /// Initial states that are known and not estimated, each with its position in [`Circumstances::start`] and its name, where the simulator
+    /// cannot say whether it knows a state of that name.
+    #[serde(skip)]
+    pub known_states: Vec<(usize, String)>,
     /// For each parameter of the simulator: what the samples near the events say of it, independent of what happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.
     pub local: Vec<Option<LocalEstimate>>,
@@ -91,6 +95,7 @@ impl Prepared {
             residual_scale: None,
             nuisances: Vec::new(),
             prior_sd: Vec::new(),
+            known_states: Vec::new(),
             local,
             silent,
             video: None,

@@ -43,7 +43,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use crate::estimate::{GridPoint, curved, ends_with, weights};
+use crate::estimate::{GridPoint, curved, ends_with, unread_states, weights};
 use crate::network::Model;
 use crate::observation::{Note, Observation, gap_unit};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -184,8 +184,10 @@ pub fn tune(
             let at = (point.parameters.as_slice(), nuisances.as_slice());
             all.push(observable_nuisances::observable_nuisances(simulator, (d, recording), &noise[d], at, &log));
         }
-        outcome.notes.extend(observable_nuisances::silent_states(&recordings, &all));
         outcome.nuisances = all;
+        let each = recordings.iter().zip(&point.nuisances).enumerate();
+        let each: Vec<_> = each.map(|(d, (recording, nuisances))| (d, recording, nuisances.as_slice())).collect();
+        outcome.notes.extend(unread_states(simulator, &each, &point.parameters, &log));
     }
     outcome.notes.extend(tuning.limit_note(outcome.stop));
     outcome.rollouts = log.count();

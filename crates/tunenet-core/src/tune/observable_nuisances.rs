@@ -1,15 +1,11 @@
 //! Local observability of nuisance parameters by finite differences: which of them change what was measured. The height of a
 //! surface that is never touched does not, nor a position along an axis that was not measured.
 
-use crate::estimate::RolloutLog;
-use crate::findings;
-use crate::observation::Note;
+use crate::estimate::{RolloutLog, STATE_STEP};
 use crate::simulator::{Parameter, Prepared, STATE, Simulator};
 
 /// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
-/// The same for an initial state, so large that it shows above noise that a wrong unit makes large: what nothing reads changes nothing.
-const NUDGE_OF_STATE: f64 = 1e-3;
 /// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
 
@@ -46,7 +42,7 @@ pub(super) fn observable_nuisances(
     };
     // To both sides: a surface just below the lowest sample is felt from below alone.
     let seen = |(i, p): &(usize, &Parameter)| {
-        let share = if p.name.starts_with(STATE) { NUDGE_OF_STATE } else { NUDGE };
+        let share = if p.name.starts_with(STATE) { STATE_STEP } else { NUDGE };
         let step = share * (p.max - p.min);
         moves(*i, step) && moves(*i, -step)
     };
@@ -54,22 +50,11 @@ pub(super) fn observable_nuisances(
     kept.map(valued).collect()
 }
 
-/// What is said of initial states that no recording shows, where `observable` are the nuisance parameters that each shows.
-pub(super) fn silent_states(recordings: &[Prepared], observable: &[Vec<Parameter>]) -> Vec<Note> {
-    let mut names: Vec<&str> = recordings.iter().flat_map(|one| &one.nuisances).map(|p| p.name.as_str()).collect();
-    names.retain(|name| name.starts_with(STATE) && observable.iter().flatten().all(|shown| shown.name != *name));
-    names.sort_unstable();
-    names.dedup();
-    let note = |name: &str| {
-        let remedy = "check its name: what simulates may not read it";
-        Note::new(findings::START_NO_EFFECT, format!("`{name}` changes nothing in any recording"), remedy)
-    };
-    names.into_iter().map(note).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::findings;
+    use crate::observation::Note;
     use crate::observation::{Channel, Kind, Observation};
     use crate::simulator::{FnSimulator, StartState, StartValue};
     use crate::tune::{Settings, tune};

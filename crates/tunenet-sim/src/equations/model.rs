@@ -25,4 +25,8 @@ impl Model for EquationsModel {
         let system = self.systems.get(setup).ok_or_else(|| format!("no equations for setup {setup}"))?;
         rollout(system, run, values)
     }
+
+    fn checks_states(&self) -> bool {
+        true
+    }
 }

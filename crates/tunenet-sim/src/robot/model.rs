@@ -96,6 +96,10 @@ impl Rollouts for RobotModel {
         true
     }
 
+    fn checks_states(&self) -> bool {
+        true
+    }
+
     fn examine(&self, prepared: Box<Prepared>) -> Result<Preparation> {
         examine::examine(&self.layout, prepared)
     }
