@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation};
+use tunenet_core::text::visible;
 
 use crate::contents;
 use crate::csv::own_columns;
@@ -213,7 +214,8 @@ pub fn under_inputs(
         }
         found.push(input);
     }
-    let known = Circumstances { setup, ..Circumstances::driven_by(found) };
+    let name = path.file_name().map_or_else(String::new, |name| visible(&name.to_string_lossy()));
+    let known = Circumstances { name, setup, ..Circumstances::driven_by(found) };
     Ok(Recording { observation: observation.under(known), notes })
 }
 

@@ -5,6 +5,8 @@ use super::Input;
 /// The circumstances of one recording, which its simulator needs for every rollout.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Circumstances {
+    /// What the recording is called in sentences for users, such as a file's name; empty where it has none.
+    pub name: String,
     /// Which setup of its simulator the recording has (constants and initial states that differ from recording to recording): a
     /// position, 0 where there is only one.
     pub setup: usize,

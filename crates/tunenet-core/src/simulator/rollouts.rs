@@ -18,7 +18,7 @@ pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], nuisances: &[f64],
 /// One rollout in the circumstances of `recording`, values row-major `[sample, channel]`.
 ///
 /// # Errors
-/// As [`rollout`].
+/// As [`rollout`]; a refusal says of which recording, where that has a name, and from which start.
 pub fn predict(
     simulator: &dyn Simulator,
     recording: &Prepared,
@@ -28,7 +28,16 @@ pub fn predict(
 ) -> Result<Vec<f64>> {
     let Some(known) = &recording.circumstances else { return rollout(simulator, parameters, nuisances, clock) };
     checked(simulator, parameters, clock, |values| {
-        simulator.rollout_driven(parameters, nuisances, known, clock, values)
+        let run = simulator.rollout_driven(parameters, nuisances, known, clock, values);
+        run.map_err(|error| match error {
+            RolloutError::Refused(message) if !known.name.is_empty() => {
+                let start = recording.nuisances.iter().zip(nuisances).map(|(p, v)| format!("{}={v}", p.name));
+                let start = start.collect::<Vec<_>>().join(" ");
+                let from = if start.is_empty() { start } else { format!(" from {start}") };
+                RolloutError::Refused(format!("{message} (simulating {}{from})", known.name))
+            }
+            other => other,
+        })
     })
 }
 

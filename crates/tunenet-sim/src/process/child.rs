@@ -171,7 +171,8 @@ impl Child {
             let oldest = self.announced.remove(0);
             self.say(program, &format!("the line that frees recording {oldest}"), |id| forget(id, oldest))?;
         }
-        let what = format!("recording {}", recording.number);
+        let number = format!("recording {}", recording.number);
+        let what = if recording.name.is_empty() { number } else { recording.name.clone() };
         self.say(program, &what, |id| announcement(program, id, recording))?;
         self.announced.push(recording.number);
         Ok(())
@@ -292,7 +293,7 @@ impl Patience for Process {
     }
 }
 
-/// What a rollout is of, for users: its parameters, and the coefficients that are not absent.
+/// What a rollout is of, for users: its parameters, the coefficients that are not absent, its start, and its recording.
 fn described(program: &Program, asked: &Request) -> String {
     let own = program.parameters.iter().zip(&asked.parameters).map(|(p, value)| format!("{}={value}", p.name));
     let coefficients = program.candidates.iter().flat_map(|effect| {
@@ -300,7 +301,11 @@ fn described(program: &Program, asked: &Request) -> String {
         names.collect::<Vec<_>>()
     });
     let present = coefficients.zip(&asked.coefficients).filter(|((_, absent), value)| absent != *value);
-    own.chain(present.map(|((name, _), value)| format!("{name}={value}"))).collect::<Vec<_>>().join(" ")
+    let states = program.states.iter().zip(&asked.start).map(|(name, value)| format!("start.{name}={value}"));
+    let present = present.map(|((name, _), value)| format!("{name}={value}"));
+    let numbers = own.chain(present).chain(states).collect::<Vec<_>>().join(" ");
+    let recording = &asked.recording.name;
+    if recording.is_empty() { numbers } else { format!("{recording}, {numbers}") }
 }
 
 fn unstarted(program: &Program, error: &std::io::Error) -> Failure {

@@ -128,6 +128,8 @@ impl Model for ProcessModel {
             return Err(format!("the program needs the inputs {} of a recording", names.join(", ")).into());
         }
         let tally = self.session.tally();
+        let name = &run.recording.name;
+        let whose = if name.is_empty() { String::new() } else { format!(" (simulating {name})") };
         let answer = self.pool.ask(Request::of(run, self.pool.recording(run.recording)));
         let fresh = answer.as_ref().is_ok_and(|(_, fresh)| *fresh);
         if fresh {
@@ -138,7 +140,7 @@ impl Model for ProcessModel {
                 // Whoever asked refuses them as well: here it is known whose they are.
                 if let Some(i) = answered.iter().position(|value| value.abs() > GREATEST).filter(|_| fresh) {
                     let (row, channel) = (i / program.headers.len() + 1, &program.headers[i % program.headers.len()]);
-                    let what = format!("{:?} for `{channel}` in row {row}", answered[i]);
+                    let what = format!("{:?} for `{channel}` in row {row}{whose}", answered[i]);
                     tally.lacks(Why::Beyond, &self.numbers, &numbers, &what);
                 }
                 values.copy_from_slice(answered);
@@ -150,7 +152,7 @@ impl Model for ProcessModel {
             }
             Ok(Answer::Refused(message)) => {
                 if fresh {
-                    tally.lacks(Why::Refused, &self.numbers, &numbers, message);
+                    tally.lacks(Why::Refused, &self.numbers, &numbers, &format!("{message}{whose}"));
                 }
                 Err(message.clone().into())
             }

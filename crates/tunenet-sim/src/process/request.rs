@@ -10,6 +10,8 @@ use tunenet_core::simulator::Run;
 #[derive(Debug)]
 pub(super) struct Recording {
     pub number: u64,
+    /// What it is called in sentences for users; empty where it has no name.
+    pub name: String,
     /// Which of the program's setups it has.
     pub setup: usize,
     /// Where its initial state holds, s.
@@ -20,7 +22,13 @@ pub(super) struct Recording {
 
 impl Recording {
     fn of(number: u64, known: &Circumstances) -> Self {
-        Self { number, setup: known.setup, start_s: known.start_s, inputs: known.inputs.clone() }
+        Self {
+            number,
+            name: known.name.clone(),
+            setup: known.setup,
+            start_s: known.start_s,
+            inputs: known.inputs.clone(),
+        }
     }
 
     fn is(&self, known: &Circumstances) -> bool {

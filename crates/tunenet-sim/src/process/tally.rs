@@ -37,6 +37,8 @@ struct Place {
     at: String,
     /// What the program said or answered.
     what: String,
+    /// The table of the number that is farthest from the file's value, in spans.
+    farthest: String,
 }
 
 impl Place {
@@ -46,7 +48,10 @@ impl Place {
         // Coefficients have both names, and matter where their effect is there.
         let shown = each().filter(|(p, v)| !p.name.contains('.') || p.value != **v);
         let at = shown.map(|(p, v)| format!("{}={v}", p.name)).collect::<Vec<_>>().join(" ");
-        Self { distance, values: values.to_vec(), at, what: what.to_owned() }
+        let far = |(p, v): &(&Parameter, &f64)| ((*v - p.value) / p.span()).abs();
+        let moved = each().filter(|one| far(one) > 0.0).max_by(|a, b| far(a).total_cmp(&far(b)));
+        let farthest = moved.map_or_else(|| "[parameters.NAME]".to_owned(), |(p, _)| table(&p.name));
+        Self { distance, values: values.to_vec(), at, what: what.to_owned(), farthest }
     }
 
     /// Whether this one is to be reported rather than `other`; of two at one distance always the same one.
@@ -58,6 +63,14 @@ impl Place {
             .then_with(|| self.what.cmp(&other.what))
             .is_lt()
     }
+}
+
+/// The table of a simulation file that bounds a parameter, or a coefficient, whose name is `effect.key`.
+fn table(name: &str) -> String {
+    name.split_once('.').map_or_else(
+        || format!("[parameters.{name}]"),
+        |(effect, key)| format!("[candidates.{effect}.coefficients.{key}]"),
+    )
 }
 
 /// Why a rollout cannot be used.
@@ -107,22 +120,25 @@ impl Tally {
 
     /// What a user should know of it.
     pub fn notes(&self) -> Vec<Note> {
-        const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer \
-                              lies near that";
+        let remedy = |table: &str| {
+            format!(
+                "narrow `min` and `max` of `{table}` to what the program can simulate, where the answer lies near that"
+            )
+        };
         self.counted(|counted| {
             let all = counted.asked;
-            let refused = counted.refused.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
+            let refused = counted.refused.iter().map(|Lacking { rollouts, nearest: Place { at, what, farthest, .. } }| {
                 let text = format!(
                     "the program refused {rollouts} of {all} rollouts, of these nearest to the file's values {at}: {what}"
                 );
-                Note::new(findings::PROGRAM_REFUSED, text, REMEDY)
+                Note::new(findings::PROGRAM_REFUSED, text, remedy(farthest))
             });
-            let beyond = counted.beyond.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
+            let beyond = counted.beyond.iter().map(|Lacking { rollouts, nearest: Place { at, what, farthest, .. } }| {
                 let text = format!(
                     "the program answered numbers beyond {GREATEST:e} in {rollouts} of {all} rollouts, of these nearest to the \
                      file's values {at}: {what}"
                 );
-                Note::new(findings::PROGRAM_BEYOND, text, REMEDY)
+                Note::new(findings::PROGRAM_BEYOND, text, remedy(farthest))
             });
             refused.chain(beyond).collect()
         })
@@ -157,6 +173,7 @@ mod tests {
             first[0].text,
             "the program refused 4 of 5 rollouts, of these nearest to the file's values a=0.5 b=1: left"
         );
+        assert!(first[0].remedy.contains("`[parameters.a]`"), "{}", first[0].remedy);
         assert!([[3, 2, 1, 0], [2, 0, 3, 1], [1, 3, 0, 2]].into_iter().all(|order| notes_in(order) == first));
         let tally = Tally::default();
         tally.asked();
@@ -167,5 +184,14 @@ mod tests {
                 "numbers beyond 1e100 in 1 of 1 rollouts, of these nearest to the file's values a=1 b=1: 1e160"
             )
         );
+    }
+
+    #[test]
+    fn the_remedy_names_the_number_that_was_moved_farthest() {
+        assert_eq!(table("gain"), "[parameters.gain]");
+        assert_eq!(table("dead_zone.v"), "[candidates.dead_zone.coefficients.v]");
+        let parameters = ["a", "e.k"].map(|name| Parameter::new(name, "m", 1.0, 0.0, 4.0).unwrap());
+        let place = Place::of(&parameters, &[1.5, 3.0], "no");
+        assert_eq!((place.farthest.as_str(), place.at.as_str()), ("[candidates.e.coefficients.k]", "a=1.5 e.k=3"));
     }
 }
