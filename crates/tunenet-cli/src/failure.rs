@@ -110,7 +110,7 @@ pub fn render(error: &anyhow::Error) -> Exit {
     }
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
     to_stderr(format_args!("{red}error{reset}: {}", lines(&sentence(error))));
-    if let Some(hint) = known.and_then(Known::hint) {
+    if let Some(hint) = hint(error) {
         let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
         to_stderr(format_args!("{cyan}help{reset}: {}", lines(hint)));
     }
@@ -149,10 +149,14 @@ fn snippet(path: &str, line: usize, column: usize, width: usize, source: &str, m
     Renderer::styled().render(&report)
 }
 
+/// What to try after an error, where there is anything.
+pub fn hint(error: &anyhow::Error) -> Option<&str> {
+    error.chain().find_map(Known::of).and_then(Known::hint)
+}
+
 /// Why something is refused, and what to try.
 pub fn refusal(error: &anyhow::Error) -> String {
-    let hint = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint);
-    hint.map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
+    hint(error).map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
 }
 
 #[cfg(test)]

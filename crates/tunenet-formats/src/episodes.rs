@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::format::is_hdf5;
 use crate::numbered;
 #[cfg(feature = "logs")]
-use crate::place::is_data_set;
+use crate::place::{Place, is_data_set};
 #[cfg(feature = "logs")]
 use crate::proposal::proposal;
 use crate::shown::list;
@@ -125,6 +125,12 @@ pub fn episodes(path: impl AsRef<Path>, chosen: Option<&Selection>) -> Result<Op
         return Err(Error::file(path, message, "choose others with `--episodes`"));
     }
     Ok(Some(found))
+}
+
+/// Whether a path is that of an episode in a file or folder, which has no file of its own.
+#[must_use]
+pub fn is_episode(path: &Path) -> bool {
+    Place::of(path).episode.is_some()
 }
 
 /// The names of the episodes in a file or folder; `None` where it is a single recording.

@@ -117,24 +117,16 @@ pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> R
     Ok(Some((Input::new(observation, source.hold), notes)))
 }
 
-/// The series of one channel that is predicted.
+/// The series of one channel that is predicted, from a recording that need not have it: `None` where it does not.
 ///
 /// # Errors
 /// As [`read`](crate::read()).
-pub fn read_channel(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Recording> {
-    let reading = alone(channel).reading(&of_file(&Place::of(path), options)?);
-    read(path, &ReadOptions { role: Role::Predicted, ..reading })
-}
-
-/// As [`read_channel`], from a recording that need not have it: `None` where it does not.
-///
-/// # Errors
-/// As [`read_channel`].
 pub fn read_if_there(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Option<Recording>> {
     if !has(path, options, &alone(channel))? {
         return Ok(None);
     }
-    read_channel(path, options, channel).map(Some)
+    let reading = alone(channel).reading(&of_file(&Place::of(path), options)?);
+    read(path, &ReadOptions { role: Role::Predicted, ..reading }).map(Some)
 }
 
 /// A channel as one looks for an input.
@@ -284,10 +276,7 @@ mod tests {
         assert!(message.ends_with("expected `force_n` in N, found the column in kn"), "{message}");
         assert!(hint.contains("--columns force_n=force_kn"), "{hint}");
         let (message, hint) = refused(&source("torque_nm"));
-        assert!(
-            message.contains("expected a column `torque_nm` (`t_s`, `torque_nm` drive the simulation), found"),
-            "{message}"
-        );
+        assert!(message.contains("expected a column `torque_nm` (an input of the simulation), found"), "{message}");
         assert!(hint.contains("`column`") || hint.contains("--columns"), "{hint}");
         // A default does not replace what stands there in another unit.
         let (message, _) = refused(&InputSource { default: Some(0.0), ..source("force_n") });

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::{Document, Item, TableLike};
-use tunenet_formats::{Error, read_text};
+use tunenet_formats::{Error, is_episode, read_text};
 
 /// The object of files that nobody groups: it is called by its kind in the end.
 pub const ONLY: &str = "";
@@ -62,7 +62,11 @@ pub fn read(path: &Path) -> Result<Vec<Source>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let entries = entries.filter(|all| !all.is_empty());
     let entries = entries.ok_or_else(|| wrong(path, "expected at least one [[observation]], found none"))?;
-    let read = |(number, entry)| source(path, folder, number, entry);
+    let read = |(number, entry)| {
+        let source = source(path, folder, number, entry)?;
+        is_there(path, number, &source.path)?;
+        Ok(source)
+    };
     entries.iter().enumerate().map(|(i, table)| (i + 1, table as &dyn TableLike)).map(read).collect()
 }
 
@@ -72,6 +76,15 @@ fn wrong(path: &Path, message: &str) -> Error {
         message,
         "each [[observation]] has `file`, and may have `object`, `held_out` and keys of the scene",
     )
+}
+
+/// Refuses an entry whose file is not there; an episode has no file of its own.
+fn is_there(manifest: &Path, number: usize, file: &Path) -> Result<()> {
+    if file.exists() || is_episode(file) {
+        return Ok(());
+    }
+    let message = format!("[[observation]] {number}: expected the file {}, found none", file.display());
+    Err(Error::file(manifest, message, "a manifest names its files as seen from its own folder").into())
 }
 
 fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) -> Result<Source> {
@@ -142,6 +155,10 @@ mod tests {
             ("[[observation]]\nfile = 3\n", "a name in quotes for `file`"),
             ("[[observation]]\nfile = \"a.csv\"\nheld_out = 1\n", "true or false"),
             ("[[observation]\n", "line 1"),
+            (
+                "[[observation]]\nfile = \"a.csv\"\n[[observation]]\nfile = \"b.csv\"\n",
+                "[[observation]] 2: expected the file",
+            ),
             ("[[observation]]\nfile = \"a.csv\"\nball.radius_m = .0155\n", "line 3, `ball.radius_m = .0155`"),
             ("[[observation]]\nfile = \"a.csv\"\nheldout = true\n", "found `heldout`"),
         ] {

@@ -22,7 +22,9 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
             if of_input(ours) {
                 continue;
             }
-            let expected = format!("{} before the `=`", names(channels));
+            let mut all = channels.clone();
+            all.extend(others.iter().filter(|_| *role == Role::Predicted).cloned());
+            let expected = format!("{} before the `=`", names(&all));
             return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
                 name: "columns",
@@ -84,10 +86,14 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
             return header.refuse(Some(column), message, hint);
         }
         let what = match role {
-            Role::Predicted => "are what the simulation predicts",
-            Role::Driving => "drive the simulation",
+            Role::Predicted => format!("{} are what the simulation predicts", names(channels)),
+            Role::Driving if clock.is_none() => {
+                let inputs: Vec<String> = channels.iter().map(Channel::header).collect();
+                format!("the times of the input {}", list(inputs.iter().map(String::as_str), 12))
+            }
+            Role::Driving => "an input of the simulation".to_owned(),
         };
-        let expected = format!("expected a column `{absent}` ({} {what})", names(channels));
+        let expected = format!("expected a column `{absent}` ({what})");
         return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, options));
     }
     Ok(Layout { kind: Kind::Other, channels: channels.clone(), clock, values, notes }.with_conversions(header))
@@ -181,7 +187,12 @@ pub(crate) fn input_of(name: &str, inputs: &[Channel]) -> Option<String> {
 
 /// `t_s`, `angle_rad`.
 fn names(channels: &[Channel]) -> String {
-    let headers: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
+    let mut headers = vec!["t_s".to_owned()];
+    for header in channels.iter().map(Channel::header) {
+        if !headers.contains(&header) {
+            headers.push(header);
+        }
+    }
     list(headers.iter().map(String::as_str), 12)
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
-use crate::failure::{Exit, sentence};
+use crate::failure::{Exit, hint, sentence};
 use crate::files::names;
 use crate::view::answer::Printout;
 
@@ -34,7 +34,10 @@ impl Listing {
             Err(error) => {
                 let text = sentence(&error);
                 self.shown.row("refused", &text);
-                let object = json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text });
+                if let Some(hint) = hint(&error) {
+                    self.shown.line(&format!("  try: {hint}"));
+                }
+                let object = json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text, "remedy": hint(&error) });
                 (Standing::Refused, object, None)
             }
         };

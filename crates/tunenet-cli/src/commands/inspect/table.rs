@@ -10,7 +10,7 @@ use super::reading::{expected, recording};
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
-use crate::failure::sentence;
+use crate::failure::{hint, sentence};
 use crate::view::answer::Printout;
 use crate::view::inspect::{joints, motion as render, table};
 
@@ -23,8 +23,9 @@ pub fn look(
 ) -> Found {
     // With `--columns` the file is what the mapping makes of it.
     let mapped = !options.reading.numbers.columns.is_empty();
-    let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
-    let read = readable.and_then(|()| recording(path, options, sim).map_err(|e| sentence(&e)));
+    let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()).map_err(|reason| (reason, None)) };
+    let refused = |error: anyhow::Error| (sentence(&error), hint(&error).map(str::to_owned));
+    let read = readable.and_then(|()| recording(path, options, sim).map_err(refused));
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
     let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation, expected(sim)));
@@ -35,11 +36,12 @@ pub fn look(
         render::render(motion, shown);
     }
     let usable = match (&read, motion.as_ref().and_then(Motion::rejected)) {
-        (Err(reason), _) => Err(reason.as_str()),
+        (Err((reason, _)), _) => Err(reason.as_str()),
         (Ok(_), Some(reason)) => Err(reason),
         (Ok(recording), None) => Ok(recording.observation.kind()),
     };
-    let remedy = remedy(found, options);
+    let tried = read.as_ref().err().and_then(|(_, hint)| hint.clone());
+    let remedy = tried.unwrap_or_else(|| remedy(found, options));
     table::verdict(usable, motion.as_ref(), &remedy, shown);
     let object = table::object(found, usable, motion.as_ref(), units.as_ref(), &notes, &remedy);
     let standing = match (&read, usable) {

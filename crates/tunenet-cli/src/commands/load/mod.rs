@@ -1,5 +1,6 @@
 //! Loading what several commands need.
 
+mod clock;
 mod differences;
 mod driven;
 mod input_files;

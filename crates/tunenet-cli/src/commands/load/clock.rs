@@ -1,0 +1,63 @@
+//! The clock of `[record]` in place of a recording, with recorded inputs and initial states.
+
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, refuse_unused_options};
+use tunenet_sim::scene::{First, StartValue};
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, declared};
+
+use super::inputs;
+
+/// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
+pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions) -> Result<Recording> {
+    let channels = declared::channels(file)?;
+    given.map(|path| refuse_unused_options(path, options)).transpose()?;
+    let headers = file.headers();
+    let clock = file.record().clock();
+    let mut values = vec![0.0; clock.len() * channels.len()];
+    let first = StartValue::Word(First::First);
+    for (name, _) in file.starts().filter(|(_, start)| start.value == first) {
+        let at = headers.iter().position(|header| header == name).unwrap_or(0);
+        let Some(path) = given else {
+            let message = format!("expected a number to start `{name}` at, found \"first\" and no recording");
+            let hint = format!("try `--set start.{name}=0.1`, or `--inputs FILE` with a column `{name}`");
+            return Err(Error::file(file.path(), message, hint).into());
+        };
+        let Some(found) = read_if_there(path, options, &channels[at])? else {
+            let message =
+                format!("expected a column `{name}`, at whose first sample the simulation starts, found none");
+            return Err(
+                Error::file(path, message, format!("add it, or start at a number: `--set start.{name}=0.1`")).into()
+            );
+        };
+        values[at] = found.observation.row(0)[0];
+    }
+    // Joints start where a file that has their positions begins, and at 0 where it has commands only.
+    let joints =
+        headers.iter().enumerate().filter(|(_, name)| file.domain() == Domain::Robot && !starts_at(file, name));
+    for (at, path) in joints.filter_map(|(at, _)| Some((at, given?))) {
+        if let Some(found) = read_if_there(path, options, &channels[at])? {
+            values[at] = found.observation.row(0)[0];
+        }
+    }
+    let observation = Observation::new(Kind::Other, channels, clock, values)?;
+    let recording = Recording { observation, notes: Vec::new() };
+    let missing = file.inputs().find(|(_, input)| input.default.is_none() && input.file.is_none());
+    if let (Some((name, _)), None) = (missing, given) {
+        let message = format!("expected a file that holds the input `{name}`, found none");
+        let hint = format!("give one with `--inputs FILE`, or a `default` under [inputs.{name}]");
+        return Err(Error::file(file.path(), message, hint).into());
+    }
+    match given {
+        Some(path) => inputs::attach(file, path, recording, 0, options),
+        None => inputs::defaults(file, recording),
+    }
+}
+
+/// Whether a file says where a channel starts.
+fn starts_at(file: &SimulationFile, channel: &str) -> bool {
+    file.starts().any(|(name, _)| name == channel)
+}
