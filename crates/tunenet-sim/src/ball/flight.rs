@@ -92,6 +92,11 @@ impl Field {
         self.constant - v * (self.quadratic * v.length() + self.linear) + self.magnus.cross(v)
     }
 
+    /// Whether it follows formulas, which may carry a ball away.
+    pub fn has_formulas(&self) -> bool {
+        self.formulas.is_some()
+    }
+
     /// Whether it changes while nothing moves.
     pub fn depends_on_time(&self) -> bool {
         self.formulas.as_deref().is_some_and(|all| all.iter().any(AppliedForce::depends_on_time))

@@ -17,6 +17,10 @@ use crate::formula_effect::contact::AppliedContact;
 pub const MOST_CONTACTS: u64 = 200_000;
 /// Pieces of motion in one rollout: 4 hours of flight with drag, at 60 steps a second.
 pub const MOST_PIECES: u64 = 1_000_000;
+/// A ball that a formula drives to more than this, m/s, or whose acceleration drifts by more than that within a step, m/s², is followed no
+/// farther.
+const FASTEST_M_S: f64 = 1e5;
+const GREATEST_DRIFT_M_S2: f64 = 1e9;
 /// How far a ball may start inside an obstacle, m; it is lifted out at its first contact.
 pub const DEEPEST_START_M: f64 = 1e-6;
 
@@ -103,8 +107,8 @@ impl World {
     /// Follows the ball up to an instant. How the way there is divided changes no bit of the result.
     ///
     /// # Errors
-    /// A sentence where the instant is not finite or lies before the present one, or where the ball needs more than [`MOST_CONTACTS`]
-    /// contacts or [`MOST_PIECES`] pieces of motion to get there.
+    /// A sentence where the instant is not finite or lies before the present one, where a formula carries the ball away, or where the ball
+    /// needs more than [`MOST_CONTACTS`] contacts or [`MOST_PIECES`] pieces of motion to get there.
     pub fn advance_to(&mut self, time_s: f64) -> Result<(), String> {
         within("time_s", time_s, f64::MIN, f64::MAX)?;
         if time_s < self.now_s {
@@ -167,6 +171,11 @@ impl World {
         }
         let mut motion = self.path.at(self.until);
         self.started_s += self.until;
+        // Speed that grows with speed has no end; near it a step says nothing any more of how far the acceleration drifts.
+        if self.field.has_formulas() && (motion.v.length() > FASTEST_M_S || self.path.slack > GREATEST_DRIFT_M_S2) {
+            let at = self.started_s;
+            return Err(format!("the formula carries the ball away: it speeds up without end by {at:.6} s"));
+        }
         if let Some(touch) = self.hit.take() {
             // Onto the surface, so that what rounding left of the gap does not add up over the impacts.
             motion.x -= touch.normal * touch.distance;

@@ -277,6 +277,8 @@ impl AppliedForce {
 mod tests {
     use super::super::tests::candidate;
     use super::*;
+    use crate::ball::scene::Formulas;
+    use crate::ball::{Scene, State, positions};
 
     fn force(along: &str, formula: &str, more: &str, values: &[f64]) -> AppliedForce {
         let text = format!(
@@ -306,5 +308,21 @@ mod tests {
         assert!((away - Vector::new(0.0, 0.0, 2.0)).length() < 1e-12, "{away:?}");
         let late = force("[\"x\"]", "k*t_s", "", &[2.0]);
         assert!(late.depends_on_time() && late.acceleration(3.0, x, v).x == 6.0);
+    }
+
+    /// v' = k v³ has no solution beyond 1 / (2 k v₀²); until then x = (1 − √(1 − 2 k v₀² t)) / (k v₀).
+    #[test]
+    fn speed_that_grows_without_end_is_refused_and_exact_before() {
+        let flight = vec![force("[\"v\"]", "k*speed_m_s^3", "", &[0.25])];
+        let formulas = Formulas { flight, ..Formulas::default() };
+        let scene = Scene { gravity_m_s2: 0.0, surface_height_m: -100.0, formulas, ..Scene::default() };
+        let start = State { velocity_m_s: [2.0, 0.0, 0.0], ..State::at([0.0; 3]) };
+        let roll = |clock: &[f64]| {
+            let mut out = vec![0.0; 3 * clock.len()];
+            positions(&scene, &start, 0.0, clock, &mut out).map(|()| out)
+        };
+        let x = roll(&[0.0, 0.45]).unwrap()[3];
+        assert!((x - (1.0 - 0.1_f64.sqrt()) / 0.5).abs() < 1e-6, "{x}");
+        assert!(roll(&[0.0, 0.55]).unwrap_err().contains("speeds up without end"));
     }
 }
