@@ -265,7 +265,11 @@ fn what_is_wrong_with_inputs_and_starts_is_said_in_one_sentence() {
     let tune = "tune --sim scene.toml --allow-process --manifest runs.toml";
     let third = folder.text("rec3.csv");
     folder.write("rec3.csv", third.replace("torque_nm", "current_a"));
-    crate::common::refused(&folder, tune, &["rec3.csv:1", "expected a column `torque_nm`", "drive the simulation"]);
+    crate::common::refused(
+        &folder,
+        tune,
+        &["rec3.csv:1", "expected a column `torque_nm`", "an input of the simulation"],
+    );
     folder.write("rec3.csv", third.replace("torque_nm", "torque_mnm"));
     crate::common::refused(&folder, tune, &["rec3.csv:1", "expected `torque_nm` in N·m, found the column in mnm"]);
     folder.write("rec3.csv", &third);
