@@ -117,16 +117,24 @@ pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> R
     Ok(Some((Input::new(observation, source.hold), notes)))
 }
 
-/// The series of one channel that is predicted, from a recording that need not have it: `None` where it does not.
+/// The series of one channel whose first sample is an initial state.
 ///
 /// # Errors
 /// As [`read`](crate::read()).
+pub fn read_start(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Recording> {
+    let reading = alone(channel).reading(&of_file(&Place::of(path), options)?);
+    read(path, &ReadOptions { role: Role::Starting, ..reading })
+}
+
+/// As [`read_start`], from a recording that need not have it: `None` where it does not.
+///
+/// # Errors
+/// As [`read_start`].
 pub fn read_if_there(path: &Path, options: &ReadOptions, channel: &Channel) -> Result<Option<Recording>> {
     if !has(path, options, &alone(channel))? {
         return Ok(None);
     }
-    let reading = alone(channel).reading(&of_file(&Place::of(path), options)?);
-    read(path, &ReadOptions { role: Role::Predicted, ..reading }).map(Some)
+    read_start(path, options, channel).map(Some)
 }
 
 /// A channel as one looks for an input.

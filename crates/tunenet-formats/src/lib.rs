@@ -83,7 +83,7 @@ pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
 pub use episodes::{EpisodeColumn, EpisodeLength, Episodes, Selection, episodes, is_episode};
 pub use error::{Error, Result};
-pub use inputs::{InputSource, NotedInput, read_if_there, read_input, under_inputs};
+pub use inputs::{InputSource, NotedInput, read_if_there, read_input, read_start, under_inputs};
 pub use log::topics::Topic;
 pub use mcap::pictures;
 pub use mcap::trajectory::{JointPoint, write_approach};

@@ -61,4 +61,6 @@ pub enum Role {
     Predicted,
     /// They drive it.
     Driving,
+    /// Their first samples are its initial state.
+    Starting,
 }

@@ -34,8 +34,21 @@ impl Source {
     }
 }
 
-/// The recordings that a manifest lists, in its order.
+/// The recordings that a manifest lists, in its order, each of which is there.
 pub fn read(path: &Path) -> Result<Vec<Source>> {
+    let entries = listed(path)?;
+    // An episode has no file of its own.
+    let absent = |source: &Source| !source.path.exists() && !is_episode(&source.path);
+    if let Some(number) = entries.iter().position(absent) {
+        let file = entries[number].path.display();
+        let message = format!("[[observation]] {}: expected the file {file}, found none", number + 1);
+        return Err(Error::file(path, message, "a manifest names its files as seen from its own folder").into());
+    }
+    Ok(entries)
+}
+
+/// The same, where recordings may still have to be made.
+pub fn listed(path: &Path) -> Result<Vec<Source>> {
     let text = read_text(path)?;
     let document = Document::parse(text.as_str()).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
@@ -62,11 +75,7 @@ pub fn read(path: &Path) -> Result<Vec<Source>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let entries = entries.filter(|all| !all.is_empty());
     let entries = entries.ok_or_else(|| wrong(path, "expected at least one [[observation]], found none"))?;
-    let read = |(number, entry)| {
-        let source = source(path, folder, number, entry)?;
-        is_there(path, number, &source.path)?;
-        Ok(source)
-    };
+    let read = |(number, entry)| source(path, folder, number, entry);
     entries.iter().enumerate().map(|(i, table)| (i + 1, table as &dyn TableLike)).map(read).collect()
 }
 
@@ -76,15 +85,6 @@ fn wrong(path: &Path, message: &str) -> Error {
         message,
         "each [[observation]] has `file`, and may have `object`, `held_out` and keys of the scene",
     )
-}
-
-/// Refuses an entry whose file is not there; an episode has no file of its own.
-fn is_there(manifest: &Path, number: usize, file: &Path) -> Result<()> {
-    if file.exists() || is_episode(file) {
-        return Ok(());
-    }
-    let message = format!("[[observation]] {number}: expected the file {}, found none", file.display());
-    Err(Error::file(manifest, message, "a manifest names its files as seen from its own folder").into())
 }
 
 fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) -> Result<Source> {

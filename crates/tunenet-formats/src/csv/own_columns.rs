@@ -13,7 +13,7 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 /// How the columns of a table make a series on the channels of `options`, whose mapping stands above the header.
 pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layout> {
     let ReadOptions { columns: mapping, channels, role, others, .. } = options;
-    let of_input = |name: &str| *role == Role::Predicted && is_other(name, others);
+    let of_input = |name: &str| *role != Role::Driving && is_other(name, others);
     let mut clock = None;
     let mut values: Vec<Option<Source>> = vec![None; channels.len()];
     let cells = header.cells();
@@ -23,7 +23,7 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
                 continue;
             }
             let mut all = channels.clone();
-            all.extend(others.iter().filter(|_| *role == Role::Predicted).cloned());
+            all.extend(others.iter().filter(|_| *role != Role::Driving).cloned());
             let expected = format!("{} before the `=`", names(&all));
             return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
@@ -92,6 +92,7 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
                 format!("the times of the input {}", list(inputs.iter().map(String::as_str), 12))
             }
             Role::Driving => "an input of the simulation".to_owned(),
+            Role::Starting => "where the simulation starts".to_owned(),
         };
         let expected = format!("expected a column `{absent}` ({what})");
         return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, options));
@@ -220,6 +221,10 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
         return match role {
             Role::Predicted => "add the column, or leave the channel out of `process.channels` or `[outputs]`".into(),
             Role::Driving => "add the column, or say which it is, with `column` in the input's table".into(),
+            Role::Starting => {
+                let name = channels.first().map_or_else(|| "NAME".to_owned(), Channel::header);
+                format!("add the column, or start at a number: `--set start.{name}=0.1`")
+            }
         };
     }
     let clock = pairs.iter().find(|(ours, _)| *role == Role::Driving && header.named && ours == "t_s");
@@ -254,7 +259,7 @@ pub(crate) fn chosen(path: &Path, recording: Recording, options: &ReadOptions) -
     let (seen, channels) = (&recording.observation, &options.channels);
     let (what, hint) = match options.role {
         Role::Driving => ("input", "say which topic and channel it is, with `topic` and `column` in the input's table"),
-        Role::Predicted => {
+        Role::Predicted | Role::Starting => {
             ("channels", "choose another --topic, or convert the log into a CSV file with these columns")
         }
     };

@@ -20,7 +20,7 @@ pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], options: &ReadOptions
     let with_columns: Vec<&Topic> = topics.iter().filter(|topic| columns::asked(topic, options)).collect();
     let refuse = |message: String, hint: String| Err(Error::file(path, message, hint));
     let how = |topic: &&Topic| match role {
-        Role::Predicted => format!("try `--topic {}`", shell_word(&topic.name)),
+        Role::Predicted | Role::Starting => format!("try `--topic {}`", shell_word(&topic.name)),
         Role::Driving => format!("write `topic = {:?}` into the input's table", topic.name),
     };
     let try_one = || usable.first().map_or(String::new(), how);
@@ -70,7 +70,7 @@ fn numbers(topics: &[&Topic], options: &ReadOptions) -> String {
         Role::Driving => {
             format!("write `topic = {:?}` and `column` into the input's table; it has {columns}", topic.name)
         }
-        Role::Predicted => {
+        Role::Predicted | Role::Starting => {
             let first = shell_word(topic.columns.first().map_or("", String::as_str));
             format!("name numbers, as in `--topic {name} --columns z_m={first}`; it has {columns}")
         }

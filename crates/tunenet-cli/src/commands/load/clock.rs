@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use tunenet_core::observation::{Kind, Observation};
-use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, refuse_unused_options};
+use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, read_start, refuse_unused_options};
 use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
@@ -26,14 +26,7 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
             let hint = format!("try `--set start.{name}=0.1`, or `--inputs FILE` with a column `{name}`");
             return Err(Error::file(file.path(), message, hint).into());
         };
-        let Some(found) = read_if_there(path, options, &channels[at])? else {
-            let message =
-                format!("expected a column `{name}`, at whose first sample the simulation starts, found none");
-            return Err(
-                Error::file(path, message, format!("add it, or start at a number: `--set start.{name}=0.1`")).into()
-            );
-        };
-        values[at] = found.observation.row(0)[0];
+        values[at] = read_start(path, options, &channels[at])?.observation.row(0)[0];
     }
     // Joints start where a file that has their positions begins, and at 0 where it has commands only.
     let joints =
