@@ -11,7 +11,7 @@ use tunenet_sim::arm::model_file::JointFriction;
 use tunenet_sim::arm::{Model, Recursion, model_file, urdf};
 use tunenet_sim::observed_arm::ObservedArm;
 
-#[path = "../../../tunenet-models/tests/support/generator.rs"]
+#[path = "../../../tunenet-models/tests/models/support/generator.rs"]
 mod generator;
 
 const MJCF: &str = r#"<mujoco model="two">
@@ -140,7 +140,7 @@ fn judge(paths: &[PathBuf]) -> Option<Vec<Value>> {
         println!("skipped: no python3 with mujoco");
         return None;
     }
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tunenet-models/tests/support/judge.py");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tunenet-models/tests/models/support/judge.py");
     let mut python = Command::new("python3")
         .arg(std::fs::canonicalize(script).unwrap())
         .current_dir(paths[0].parent().unwrap())

@@ -6,8 +6,7 @@ use nalgebra::Matrix3;
 use serde_json::Value;
 use tunenet_models::{Changes, Filter, Law, Model, Motion, Robot, Target, Weight, read_file};
 
-mod support;
-use support::{generator, judge, newton_euler, numbers, python_with};
+use super::support::{generator, judge, newton_euler, numbers, python_with};
 
 /// Relative to the largest number of its kind.
 const SAME: f64 = 1e-9;

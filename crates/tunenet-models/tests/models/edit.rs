@@ -8,8 +8,7 @@ use serde_json::Value;
 use tunenet_models::edit::{Edited, edit};
 use tunenet_models::{Change, Model, Quantity};
 
-mod support;
-use support::{generator, judge, newton_euler, numbers, python_with};
+use super::support::{generator, judge, newton_euler, numbers, python_with};
 
 fn change(joint: &str, quantity: Quantity, value: f64) -> Change {
     Change { joint: joint.into(), quantity, value, interval: None }

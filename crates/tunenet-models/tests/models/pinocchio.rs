@@ -7,9 +7,8 @@ use serde_json::Value;
 use tunenet_models::edit::edit;
 use tunenet_models::{Change, Model, Motion, Quantity, Robot};
 
-mod support;
-use support::generator::Draw;
-use support::{ask, newton_euler, python_with};
+use super::support::generator::Draw;
+use super::support::{ask, newton_euler, python_with};
 
 /// A tree of links with every kind of joint that Pinocchio has a number for.
 fn urdf(seed: u64) -> String {

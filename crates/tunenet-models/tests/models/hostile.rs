@@ -4,10 +4,9 @@ use std::path::Path;
 
 use tunenet_models::{Error, Model};
 
-mod support;
-use support::generator::{Draw, mjcf};
+use super::support::generator::{Draw, mjcf};
 
-#[path = "../../../fuzz/src/robots.rs"]
+#[path = "../../../../fuzz/src/robots.rs"]
 mod robots;
 
 /// A body with one joint around these pieces.

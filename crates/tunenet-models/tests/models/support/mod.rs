@@ -1,7 +1,5 @@
 //! Other programs as judges: Python processes that read models and say what they are.
 
-#![allow(dead_code, reason = "each test uses a part of it")]
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -28,7 +26,7 @@ pub fn judge(paths: &[PathBuf]) -> Vec<Value> {
 
 /// What a script of this folder makes of each of these files.
 pub fn ask(script: &str, paths: &[PathBuf]) -> Vec<Value> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/support").join(script);
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/support").join(script);
     let mut python = Command::new("python3")
         .arg(script)
         // MuJoCo leaves its log where it runs.
