@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "logs")]
 use crate::format::is_hdf5;
 use crate::numbered;
+use crate::place::Place;
 #[cfg(feature = "logs")]
-use crate::place::{Place, is_data_set};
+use crate::place::is_data_set;
 #[cfg(feature = "logs")]
 use crate::proposal::proposal;
 use crate::shown::list;
