@@ -88,7 +88,7 @@ finding_kinds! {
         "a parameter differs from recording to recording; it is treated as a random effect, and its value is the mean",
         "keep the conditions of the recordings the same, or give each its own object";
     warning RECORDINGS_ODD = "recordings.odd",
-        "one recording disagrees with all others; the answer is that of the others",
+        "one recording disagrees with all others; the answer is that of the others. Where it is held out, and nothing is missing from those that were fitted, the answer is `unknown`",
         "check what differs in it: the object, the units, the frame rate";
     warning EFFECT_OMITTED = "effect.omitted",
         "the simulation leaves out an effect that every real body shows, the recordings show some of it, and a parameter moves with it by more than half of its interval; the interval includes its value with the effect",

@@ -3,7 +3,7 @@
 use super::answer::assemble::assemble;
 use super::answer::insufficient::too_little;
 use super::answer::judgement::Judgement;
-use super::answer::notes::{add_notes, note_copies};
+use super::answer::notes::{add_notes, note_contradiction, note_copies};
 use super::answer::{Diagnosis, Use};
 use super::evidence::Evidence;
 use super::evidence::recording::PreparedRecording;
@@ -134,6 +134,7 @@ impl<'a> Problem<'a> {
         (self.progress)(Progress::Judging);
         let judged = Judgement::new(attempt)?;
         add_notes(&judged, &mut notes);
+        note_contradiction(&judged, &uses, &mut notes);
         let (events_open, odd) = (judged.events_open(), judged.odd);
         Ok(Explanation { diagnosis: assemble(&judged, self.given, uses, notes)?, events_open, odd })
     }

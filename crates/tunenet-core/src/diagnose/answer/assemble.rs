@@ -104,7 +104,12 @@ fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
             Conclusion::OneOf { effects: effects(), names: decision.names.clone(), doubt: decision.doubt.clone() }
         }
         Verdict::Unknown => {
-            let (description, phase) = describe(context, judged.best())?;
+            let (description, phase) = if judged.contradicts.is_some() {
+                // What is left of the recordings that were fitted is noise, which has no description.
+                ("the recordings that were fitted are explained, and what is held out is not".to_owned(), None)
+            } else {
+                describe(context, judged.best())?
+            };
             let remains = if judged.events_open() { Some(Phase::Event) } else { phase };
             Conclusion::Unknown { nearest: decision.names.clone(), description, remains }
         }

@@ -15,6 +15,8 @@ use crate::diagnose::strategy::{Attempt, Control, RandomParameter, Scope};
 
 /// A model may not raise the held-out residual by more than this factor.
 const HELD_OUT_WORSE: f64 = 1.05;
+/// Where nothing is missing from the recordings that were fitted, one that is held out leaves no more than this many times what they leave.
+const NOTHING_HELD_OUT: f64 = 1.5;
 
 /// Everything judged.
 pub(in crate::diagnose) struct Judgement<'a> {
@@ -42,6 +44,9 @@ pub(in crate::diagnose) struct Judgement<'a> {
     pub random_parameter: Option<RandomParameter>,
     /// The recording that disagrees with all others: its position among the recordings given.
     pub odd: Option<usize>,
+    /// A held-out recording that disagrees with those that were fitted, from which nothing is missing: its position among the recordings
+    /// given, and how many times as much as in these it leaves.
+    pub contradicts: Option<(usize, f64)>,
 }
 
 impl<'a> Judgement<'a> {
@@ -75,11 +80,21 @@ impl<'a> Judgement<'a> {
             None => before.clone(),
         };
         tests.extend(worse_on_held_out(before.as_ref(), after.as_ref()));
+        let worst =
+            after.as_ref().filter(|_| found.best.is_none()).and_then(|held| worst_held_out(&context, &held.residuals));
         // Copies of the motion that was fitted confirm nothing.
         let evidence = &context.evidence;
         let another = |set: &Set| !evidence.shows_one_motion() || set.motion != evidence.training[0].motion;
         let confirmed = practical.is_none() || evidence.validation.iter().any(another);
         let left = root_mean_square(&context, found.best.as_ref().unwrap_or(&found.base))?;
+        let worst = worst.map(|(recording, ratio)| (recording, ratio / (left / floor.sqrt()).max(1.0)));
+        tests.extend(worst.map(|(_, value)| Test {
+            name: "held-out residual over fitted",
+            value,
+            threshold: NOTHING_HELD_OUT,
+            passed: value <= NOTHING_HELD_OUT,
+        }));
+        let contradicts = worst.filter(|(_, ratio)| *ratio > NOTHING_HELD_OUT);
         let held_out = (before.as_ref(), after.as_ref());
         let noise = floor.sqrt();
         let doubt = validation_doubt(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
@@ -108,6 +123,7 @@ impl<'a> Judgement<'a> {
             heterogeneous,
             random_parameter,
             odd,
+            contradicts,
         })
     }
 
@@ -146,6 +162,20 @@ fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
     evidence.discrepancy()
         && first
             .is_some_and(|first| first.width() > 1 && evidence.training.iter().all(|set| setup(set) == setup(first)))
+}
+
+/// Of recordings that are held out, where effects are expected to be explained down to the noise: the one that leaves most, as its position
+/// among the recordings given, and the root mean square of its residuals over their noise.
+fn worst_held_out(context: &Context, residuals: &[Vec<f64>]) -> Option<(usize, f64)> {
+    if context.evidence.driven() || context.evidence.discrepancy() {
+        return None;
+    }
+    let of = |(set, residuals): (&Set, &Vec<f64>)| {
+        let count = set.keep.iter().filter(|keep| **keep).count().max(1);
+        (set.recording, (residuals.iter().map(|r| r * r).sum::<f64>() / count as f64).sqrt())
+    };
+    let all = context.evidence.validation.iter().zip(residuals).map(of);
+    all.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Whether the effects raise the residual of recordings that were not fitted.

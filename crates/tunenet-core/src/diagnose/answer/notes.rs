@@ -62,6 +62,17 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
     }
 }
 
+/// Says which held-out recording disagrees with those that were fitted, from which nothing is missing.
+pub(in crate::diagnose) fn note_contradiction(judged: &Judgement, uses: &[Use], notes: &mut Vec<Note>) {
+    let Some((recording, ratio)) = judged.contradicts else { return };
+    let text = format!(
+        "{}, which is held out, disagrees with the recordings that were fitted: it leaves {} times as much",
+        uses[recording].name,
+        three_digits(ratio)
+    );
+    notes.push(Note::new(findings::RECORDINGS_ODD, text, "check its object, units and frame rate, or fit it too"));
+}
+
 /// Says which effects explain more than the answer and are excluded by a coefficient, and which objects need a coefficient that
 /// is not physical for them.
 fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {

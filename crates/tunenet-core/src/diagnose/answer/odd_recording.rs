@@ -39,6 +39,22 @@ mod tests {
     use crate::diagnose::{Recording, Settings, Subject, diagnose_with};
     use crate::testing::{Exact, Pendulum};
 
+    /// Where the odd one is held out, those that were fitted show nothing missing, and the answer is not that nothing is.
+    #[test]
+    fn a_swing_of_another_pendulum_that_is_held_out_is_named() {
+        let pendulum = Exact::new(Pendulum);
+        let subjects = [Subject { name: "it".into(), simulator: &pendulum }];
+        for (last, verdict) in [(0.8, Verdict::None), (0.9, Verdict::Unknown)] {
+            let seen: Vec<_> =
+                (0u32..).zip([0.8, 0.8, 0.8, last]).map(|(k, length)| swing(&[("length", length)], k)).collect();
+            let one = |(i, seen)| Recording { name: format!("swing {i}"), object: 0, held_out: i == 3, seen };
+            let recordings: Vec<Recording> = seen.iter().enumerate().map(one).collect();
+            let found = diagnose_with(&[], &subjects, &recordings, &Settings::default(), &|_| {}).unwrap();
+            let said = found.notes.iter().any(|note| note.text.starts_with("swing 3, which is held out, disagrees"));
+            assert_eq!((found.verdict(), said), (verdict, verdict == Verdict::Unknown), "{:?}", found.notes);
+        }
+    }
+
     #[test]
     fn the_swing_of_another_pendulum_is_named_and_left_out() {
         let pendulum = Exact::new(Pendulum);
