@@ -12,6 +12,7 @@ pub(crate) mod load;
 mod man;
 mod merge;
 mod models;
+mod odd_units;
 pub(crate) mod plan;
 mod refusal;
 mod simulate;

@@ -16,11 +16,15 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::json;
+use tunenet_core::diagnose::{Diagnosis, Verdict};
+use tunenet_core::findings::RECORDINGS_ODD;
+use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
 
 use super::each::{Answered, Work};
 use super::models;
-use crate::answers::diagnose::Answer;
+use super::odd_units::odd_units;
+use crate::answers::diagnose::{Answer, Loaded};
 use crate::answers::improved::edits;
 use crate::args::{Diagnose, pool};
 use crate::failure::Exit;
@@ -43,7 +47,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     models::check(&options.models, &loaded.objects[0].file, loaded.objects.len())?;
     text::read(&loaded);
     let began = Instant::now();
-    let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
+    let mut diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
+    diagnosis.notes.extend(units(&loaded, &diagnosis));
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
     let law = law::search_law(options, &loaded, &diagnosis)?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
@@ -64,6 +69,19 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         _ if answer.found().is_some() => Exit::Inconclusive,
         _ => diagnosis.verdict().into(),
     })
+}
+
+/// What is said of units where the answer is open, or a recording disagrees with the others.
+fn units(loaded: &Loaded, diagnosis: &Diagnosis) -> Vec<Note> {
+    let open = matches!(diagnosis.verdict(), Verdict::Unknown | Verdict::OneOf);
+    if !open && diagnosis.notes.iter().all(|note| note.kind != RECORDINGS_ODD) {
+        return Vec::new();
+    }
+    let of = |object: usize| {
+        let own = loaded.recorded.iter().filter(|one| one.object == object);
+        odd_units(&own.map(|one| (one.name.as_str(), &one.seen)).collect::<Vec<_>>())
+    };
+    (0..loaded.objects.len()).flat_map(of).collect()
 }
 
 /// Each recording on its own.

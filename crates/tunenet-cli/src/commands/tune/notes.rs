@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use tunenet_core::findings;
-use tunenet_core::observation::{Note, Observation, OddScale, odd_scales, with_decimals};
+use tunenet_core::observation::Note;
 use tunenet_core::tune::{Outcome, Verdict};
 use tunenet_formats::Recording;
 use tunenet_sim::SimulationFile;
@@ -12,8 +12,8 @@ use tunenet_sim::replayed_arm::{replays, suspect};
 
 use crate::args::Tune;
 use crate::commands::load;
+use crate::commands::odd_units::odd_units;
 use crate::files::names;
-use crate::findings::UNITS_DIFFER;
 
 /// Adds what reading the recordings, the URDF and the fit showed.
 pub fn add(
@@ -26,7 +26,9 @@ pub fn add(
     let poor = outcome.notes.iter_mut().filter(|note| note.kind == findings::FIT_POOR);
     poor.for_each(|note| note.remedy = DIAGNOSE.into());
     if outcome.verdict != Verdict::Tuned {
-        outcome.notes.extend(odd_units(recordings, paths));
+        let names: Vec<String> = paths.iter().map(|path| names::file_name(path)).collect();
+        let seen = recordings.iter().map(|recording| &recording.observation);
+        outcome.notes.extend(odd_units(&names.iter().map(String::as_str).zip(seen).collect::<Vec<_>>()));
     }
     if replays(file) {
         suspect(file, outcome, options.reference.is_some());
@@ -41,18 +43,6 @@ pub fn add(
     });
     outcome.notes.splice(0..0, named);
     Ok(())
-}
-
-/// What is said of recordings that are on another scale than the others.
-fn odd_units(recordings: &[Recording], paths: &[PathBuf]) -> Vec<Note> {
-    let seen: Vec<&Observation> = recordings.iter().map(|recording| &recording.observation).collect();
-    let note = |odd: OddScale| {
-        let (times, which) = if odd.ratio > 1.0 { (odd.ratio, "as much as") } else { (odd.ratio.recip(), "less than") };
-        let (name, times) = (names::file_name(&paths[odd.recording]), with_decimals(times, 0));
-        let text = format!("{name}: `{}` varies {times} times {which} in the other recordings", odd.header);
-        Note::new(UNITS_DIFFER, text, "check its unit: degrees among radians, or milli-units, look like that")
-    };
-    odd_scales(&seen).into_iter().map(note).collect()
 }
 
 /// What to type where a fit is poor.
