@@ -73,7 +73,7 @@ impl SimulationFile {
         Ok(())
     }
 
-    /// Refuses a parameter, an initial state, a setting or a constant that the file does not declare: nothing reads a misspelt one.
+    /// Refuses a parameter, an initial state, a setting, a constant or an input that the file does not declare: nothing reads a misspelt one.
     fn declared(&self, parts: &[&str]) -> Result<()> {
         let (what, table, name) = match parts {
             [table @ "parameters", name, ..] => ("a parameter", table, name),
@@ -82,6 +82,8 @@ impl SimulationFile {
             [table @ "constants", name, ..] => ("a constant", table, name),
             [table @ "joints", name, ..] => ("a joint", table, name),
             [table @ "loads", name, ..] => ("a load", table, name),
+            // A robot's commands are inputs by the names of its joints.
+            [table @ "inputs", name, ..] if self.domain() != Domain::Robot => ("an input", table, name),
             _ => return Ok(()),
         };
         let known = self.keys(table);
@@ -117,7 +119,11 @@ mod tests {
     fn a_state_or_a_setting_that_the_file_lacks_is_refused() {
         let mut file = SimulationFile::parse(Path::new("cart.toml"), FILE).unwrap();
         file.set_all(&[("start.x_m", "0.3"), ("settings.load_kg", "0.5")]).unwrap();
-        for (key, known) in [("start.y_m", "an initial state of the file (x_m)"), ("settings.load", "(load_kg)")] {
+        for (key, known) in [
+            ("start.y_m", "an initial state of the file (x_m)"),
+            ("settings.load", "(load_kg)"),
+            ("inputs.u_v.default", "an input of the file (none)"),
+        ] {
             let message = file.set(&format!("{key}=0.4")).unwrap_err().to_string();
             assert!(message.contains(known), "{message}");
         }
