@@ -86,7 +86,7 @@ impl Tuning<'_> {
     pub(super) fn limit_note(&self, stop: Stop) -> Option<Note> {
         let most = self.settings.max_rollouts.filter(|_| self.log.was_short())?;
         let what = if stop == Stop::Limit {
-            "ended the fit before it had converged"
+            "ended the fit before it had converged: values are the best so far, and their intervals are the bounds"
         } else {
             "ended searches and checks after the fit; intervals that were not checked are those of the curvature"
         };
@@ -120,6 +120,10 @@ impl Tuning<'_> {
         let each = |(k, interval): (usize, &Interval)| {
             let p = &self.simulator.parameters()[self.free[k]];
             let value = fit.point.parameters[self.free[k]];
+            // Where a fit was ended on its way, nothing says how far it had to go.
+            if fit.cut_short {
+                return Standing { interval: (p.min, p.max), status: Status::Pinned, beyond: 0.0, reported: true };
+            }
             let (low, high) = (interval.low.value.max(p.min), interval.high.value.min(p.max));
             let weak = high - low >= UNINFORMATIVE_SHARE * p.span() || interval.open(value, p.span());
             let within = |null: bool| known.directions.iter().any(|d| d.null == null && d.parts().contains(&k));
@@ -287,7 +291,7 @@ impl Standing {
                     "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out",
                 ))
             }
-            Status::Pinned if value <= p.min || value >= p.max => {
+            Status::Pinned if !self.reported && (value <= p.min || value >= p.max) => {
                 let text = format!("`{name}` lies on its bound {value}, as it may: its interval is one-sided");
                 Some(Note::new(findings::PARAMETER_ONE_SIDED, text, ""))
             }

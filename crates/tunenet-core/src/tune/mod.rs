@@ -451,7 +451,7 @@ impl Tuning<'_> {
         let mut found = self.standings(&fit, &known, &scale, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
-        let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
+        let region95 = if self.settings.finish && !poor && !short && !cut_short && joint.len() > 1 {
             let mut region = if self.settings.quick {
                 Region::from_curvature(&problem, &fit, &scale, &joint)
             } else {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tunenet_core::tune::{Estimate, Iteration, Outcome, Verdict, over_recordings};
+use tunenet_core::tune::{Estimate, Iteration, Outcome, Stop, Verdict, over_recordings};
 use tunenet_sim::ChosenNetwork;
 
 use super::{between, four_digits, in_words, list, note, rolled_out, rounded, stage, tally, verbose};
@@ -15,6 +15,7 @@ fn verdict_word(outcome: &Outcome) -> String {
     let word = match outcome.verdict {
         Verdict::Tuned => "TUNED",
         Verdict::Rejected => "REJECTED",
+        Verdict::PoorFit if outcome.stop == Stop::Limit => "NOT FINISHED",
         Verdict::PoorFit => "POOR FIT",
         Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
     };
