@@ -82,6 +82,18 @@ impl<'a> Known<'a> {
         }
     }
 
+    /// What is wrong with an option, by its name on the command line; core names it by its setting.
+    fn of_flag(self) -> Option<String> {
+        match self {
+            Self::Core(tunenet_core::Error::Setting { origin: Origin::Flag, name, expected, found })
+                if !name.starts_with('-') =>
+            {
+                Some(format!("`--{}`: expected {expected}, found {found}", name.replace('_', "-")))
+            }
+            _ => None,
+        }
+    }
+
     /// What to try. Core names no command, so what to type after its errors is said here.
     fn hint(self) -> Option<&'a str> {
         match self {
@@ -122,7 +134,7 @@ pub fn sentence(error: &anyhow::Error) -> String {
     let mut text = String::new();
     let mut complete = false;
     for cause in error.chain() {
-        let said = cause.to_string();
+        let said = Known::of(cause).and_then(Known::of_flag).unwrap_or_else(|| cause.to_string());
         if text.is_empty() {
             text = said;
         } else if !complete && !text.ends_with(&said) {
