@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::failure::Failure;
-use super::greeting::{Greeted, greeted, greeting};
+use super::greeting::{Greeted, Older, greeted, greeting};
 use super::pipes::{Answers, Received, Troubles};
 use super::program::Program;
 use super::protocol::{
@@ -67,7 +67,7 @@ impl Child {
     }
 
     /// A copy that was greeted in `version`; or what it answered, where it may speak an older one.
-    fn greeted(program: &Program, version: Version) -> Result<Result<Self, (Self, String)>, Failure> {
+    fn greeted(program: &Program, version: Version) -> Result<Result<Self, (Self, Older)>, Failure> {
         let mut child = Self::spawn(program, version)?;
         let hello = (greeting(program, version), LONGEST_GREETING, program.start_timeout);
         let line = child.exchange(program, "the first line", hello, "process.start_timeout_s")?;
@@ -79,12 +79,18 @@ impl Child {
     }
 
     /// It does not speak the version that is needed, for what.
-    fn older(&mut self, program: &Program, found: &str, needs: Option<&str>) -> Failure {
+    fn older(&mut self, program: &Program, answer: &Older, needs: Option<&str>) -> Failure {
         let needs = needs.map_or_else(String::new, |needs| format!(" for the {needs}"));
+        let Older { found, error } = answer;
         let message = format!("expected a program that speaks protocol 2{needs}, found {found}");
-        let hint = "answer the first line with `{\"tunenet\":2}` and read recordings as docs/process.md shows, or leave what it \
-                    does not know out of the simulation file";
-        self.misspoke(program, "the first line", &Wrong { message, hint: hint.into() })
+        let version = "answer the first line with `{\"tunenet\":2}` and read recordings as docs/process.md shows, or leave what it \
+                       does not know out of the simulation file";
+        let hint = if *error {
+            format!("mend what the error says; if it is about the version, {version}")
+        } else {
+            version.into()
+        };
+        self.misspoke(program, "the first line", &Wrong { message, hint })
     }
 
     /// Starts a copy that was not spoken with.

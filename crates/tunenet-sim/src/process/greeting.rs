@@ -32,13 +32,22 @@ pub(super) fn greeting(program: &Program, version: Version) -> Vec<u8> {
     format!("{line}\n").into_bytes()
 }
 
+/// What a program answered instead.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Older {
+    /// For users.
+    pub found: String,
+    /// Whether it is an error: it may not be about the version.
+    pub error: bool,
+}
+
 /// What a program answers to the greeting of a version.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Greeted {
     /// It speaks this version.
     Yes,
-    /// It may speak an older one: what it answered, for users.
-    Older(String),
+    /// It may speak an older one, or cannot work at all.
+    Older(Older),
 }
 
 /// What a program answers to the greeting of `version`.
@@ -48,13 +57,15 @@ pub(super) fn greeted(line: &[u8], version: Version) -> Result<Greeted, Wrong> {
     if let Some(error) = answer.error.filter(|error| !error.is_null()) {
         let found = format!("the error {}", quoted(&error));
         return match version {
-            Version::Two => Ok(Greeted::Older(found)),
+            Version::Two => Ok(Greeted::Older(Older { found, error: true })),
             Version::One => wrong(&format!("`{{\"tunenet\":{number}}}`"), &found, "see what it says"),
         };
     }
     match answer.tunenet {
         Some(found) if found == number => Ok(Greeted::Yes),
-        Some(found) if version == Version::Two && found == 1 => Ok(Greeted::Older("`{\"tunenet\":1}`".into())),
+        Some(found) if version == Version::Two && found == 1 => {
+            Ok(Greeted::Older(Older { found: "`{\"tunenet\":1}`".into(), error: false }))
+        }
         Some(other) => wrong(&format!("protocol {number}"), &quoted(&other), "see docs/process.md for what is spoken"),
         None => wrong(
             &format!("`{{\"tunenet\":{number}}}`"),
