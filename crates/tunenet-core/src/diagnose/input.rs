@@ -87,6 +87,8 @@ pub enum Progress<'a> {
         /// Why.
         why: &'a Note,
     },
+    /// Something was noticed before the search.
+    Noticed(&'a Note),
     /// Tuning the simulation as it is.
     Tuning,
     /// Scoring this many candidates in addition to as many effects as are already in.

@@ -41,6 +41,10 @@ pub fn progress(working: &ProgressBar, at: Progress) {
             working.suspend(|| note(&format!("not used: {name} ({})", why.text)));
             return;
         }
+        Progress::Noticed(noticed) => {
+            working.suspend(|| note(&format!("noticed: {}", noticed.text)));
+            return;
+        }
         Progress::Tuning => "tuning".to_owned(),
         Progress::Scoring { candidates, effects, rollouts, left } => {
             let addition = if effects == 0 { String::new() } else { format!(" in addition to {effects}") };
