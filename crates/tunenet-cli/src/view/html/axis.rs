@@ -4,6 +4,8 @@
 const MOST_DECIMALS: i32 = 6;
 /// What rounding may take from a step, as a share of it: differences of nearly equal doubles keep few digits.
 const SLACK: f64 = 1e-6;
+/// How many more parts an axis is cut into where it has a single tick.
+const MORE_TICKS: u32 = 6;
 
 /// One scale of a panel.
 #[derive(Debug, Clone)]
@@ -61,8 +63,17 @@ impl Axis {
         [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * (1.0 - SLACK)).unwrap_or(raw)
     }
 
-    /// At most `most` + 1 round values with their place and text.
+    /// At most `most` + 1 round values with their place and text, a few more where these were fewer than two: one number is no scale.
     pub fn ticks(&self, most: u32) -> Vec<(f64, String)> {
+        let found = self.ticks_of(most);
+        if found.len() > 1 {
+            found
+        } else {
+            (most + 1..most + MORE_TICKS).map(|more| self.ticks_of(more)).find(|all| all.len() > 1).unwrap_or(found)
+        }
+    }
+
+    fn ticks_of(&self, most: u32) -> Vec<(f64, String)> {
         let step = self.step(most);
         let places = usize::try_from(decimals(step).clamp(0, 9)).unwrap_or(0);
         let (low, high) = (self.low - self.offset, self.high - self.offset);
