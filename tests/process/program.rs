@@ -254,7 +254,7 @@ fn inspect_knows_the_channels_and_runs_nothing() {
     let folder = pendulum();
     folder.write("pendulum.toml", PENDULUM_SCENE.replace("\"pendulum.py\"", "\"-c\", \"open('ran', 'w')\""));
     let ran = folder.run("inspect swing.csv").ends(1);
-    assert!(ran.stdout.contains("if your own program simulates `angle_rad`"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("`angle_rad` may be of your own simulator"), "{}", ran.stderr);
     let json = folder.run("inspect swing.csv --sim pendulum.toml --json").ends(0).json();
     assert_eq!((json["usable"].as_bool(), json["columns"][1]["read_as"].as_str()), (Some(true), Some("angle_rad")));
     let json = folder.run("inspect pendulum.toml --json").ends(0).json();

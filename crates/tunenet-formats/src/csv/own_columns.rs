@@ -201,22 +201,36 @@ fn names(channels: &[Channel]) -> String {
 fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     let ReadOptions { channels, others, role, .. } = options;
     let cells = header.cells();
+    // Where inputs stand under other names too, a name without unit may be one of them.
+    let inputs_lack = !others.is_empty() && header.named && !cells.iter().any(|cell| is_other(cell.text, others));
+    let mut open: Vec<String> = Vec::new();
     let wanted: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
     let pairs: Vec<(String, String)> = if header.named {
         let known = |name: &str| header_of(name, channels);
         let missing = wanted.iter().filter(|ours| !cells.iter().any(|c| known(c.text).as_ref() == Some(*ours)));
+        let missing: Vec<&String> = missing.collect();
         // What has the other role is no proposal.
         let mut strange: Vec<&str> = cells.iter().map(|cell| cell.text).filter(|text| !text.is_empty()).collect();
         strange.retain(|text| known(text).is_none() && !is_other(text, others));
         let mut pairs = Vec::new();
-        for ours in missing {
-            let Some(place) = strange.iter().position(|theirs| !contradicts(ours, theirs)) else { continue };
+        for &ours in &missing {
+            let fits =
+                |theirs: &&str| !contradicts(ours, theirs) && (!inputs_lack || ours == "t_s" || has_unit(theirs));
+            let Some(place) = strange.iter().position(fits) else { continue };
             pairs.push((ours.clone(), strange.remove(place).to_owned()));
+        }
+        if inputs_lack && missing.len() > pairs.len() {
+            open.extend(missing.into_iter().filter(|ours| pairs.iter().all(|(paired, _)| paired != *ours)).cloned());
         }
         pairs
     } else {
         wanted.into_iter().zip((1..).map(|n: usize| n.to_string())).collect()
     };
+    if !open.is_empty() {
+        let pairs = pairs.iter().map(|(ours, theirs)| format!("{ours}={theirs}"));
+        let open = open.iter().map(|ours| format!("{ours}=NAME"));
+        return format!("say which column is which: `--columns {}`", pairs.chain(open).collect::<Vec<_>>().join(","));
+    }
     if pairs.is_empty() {
         return match role {
             Role::Predicted => "add the column, or leave the channel out of `process.channels` or `[outputs]`".into(),
@@ -235,6 +249,11 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     let option = pairs.join(",");
     let quote = if option.contains([' ', '(', '[', '\'']) { "'" } else { "" };
     format!("{own_clock}say which column is which, for example `--columns {quote}{option}{quote}`")
+}
+
+/// Whether a name ends in a unit.
+fn has_unit(theirs: &str) -> bool {
+    Channel::from_header(theirs).is_some()
 }
 
 /// Whether both names end in units of different quantities: the one is no proposal for the other.

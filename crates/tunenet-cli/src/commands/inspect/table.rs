@@ -52,7 +52,7 @@ pub fn look(
     Found { object, standing, motion }
 }
 
-/// What to type; where columns could be the channels of a program, that as well.
+/// What to type; where columns could be the channels or inputs of a program, that as well.
 fn remedy(found: &Table, options: &Inspect) -> String {
     let timed = found.columns.iter().any(|c| c.read_as.as_deref() == Some("t_s"));
     let named = found.columns.iter().filter(|c| c.read_as.is_none() && Channel::from_header(&c.name).is_some());
@@ -61,6 +61,6 @@ fn remedy(found: &Table, options: &Inspect) -> String {
         return found.remedy.clone();
     }
     let program =
-        format!("if your own program simulates {}, pass its simulation file with `--sim`", channels.join(", "));
+        format!("{} may be of your own simulator: pass its simulation file with `--sim`", channels.join(", "));
     if found.remedy.is_empty() { program } else { format!("{}; {program}", found.remedy) }
 }
