@@ -37,7 +37,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         PairDraw { proposed: with(proposed), target: with(target), own: Vec::new(), scale: None }
     };
     let (shard, out) = (options.sharing.shard, place(options));
-    made(options, &header, |report| generate(&arm, &header, shard, &draw, &out, report))
+    made(options, (&header, &[]), |report| generate(&arm, &header, shard, &draw, &out, report))
 }
 
 /// The payloads that proposed and target are drawn from, kg.

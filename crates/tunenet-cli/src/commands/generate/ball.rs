@@ -51,7 +51,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
         let header = drawn.header("ball/general", options.common.seed, options.pairs);
         let pair = |_: u64, random: &mut ChaCha8Rng| drawn.pair(random).map_err(tunenet_formats::Error::from);
         let shard = options.sharing.shard;
-        return made(options, &header, |report| fill(&header, shard, &pair, out, report));
+        return made(options, (&header, &[]), |report| fill(&header, shard, &pair, out, report));
     }
     // Every pair is dropped from a height of its own, at rest, at the record's first instant.
     file.leave_open(&[LeftOpen::ReleaseHeight, LeftOpen::ReleasePosition]);
@@ -93,7 +93,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
             drops.pair(proposed, target, top, random).map_err(tunenet_formats::Error::from)
         };
         let shard = options.sharing.shard;
-        return made(options, &header, |report| fill(&header, shard, &pair, out, report));
+        return made(options, (&header, &[]), |report| fill(&header, shard, &pair, out, report));
     }
     let draw = |_: u64, random: &mut ChaCha8Rng| {
         let own = vec![0.0, 0.0, floor + random.random_range(CENTRE_HEIGHT_M)];
@@ -102,7 +102,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
         let scale = Some(ball.scale(&own, 0.0));
         PairDraw { proposed, target, own, scale }
     };
-    made(options, &header, |report| generate(ball, &header, options.sharing.shard, &draw, out, report))
+    made(options, (&header, &[]), |report| generate(ball, &header, options.sharing.shard, &draw, out, report))
 }
 
 /// The restitutions that proposed and target are drawn from.

@@ -3,6 +3,7 @@
 mod arm;
 mod ball;
 mod process;
+mod under_recordings;
 mod write;
 
 use std::path::{Path, PathBuf};

@@ -5,8 +5,8 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use tunenet_core::Origin;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
-use tunenet_core::observation::{Channel, Circumstances, Kind};
-use tunenet_core::simulator::{Parameter, Prepared, RolloutResult, Simulator};
+use tunenet_core::observation::{Kind, Note};
+use tunenet_core::simulator::{Parameter, Simulator};
 use tunenet_formats::Error;
 use tunenet_formats::dataset::{DatasetWriter, generate};
 use tunenet_sim::SimulationFile;
@@ -14,6 +14,7 @@ use tunenet_sim::simulation_file::Domain;
 
 use super::super::load::{self, Driven};
 use super::super::refusal::{self, Asked};
+use super::under_recordings::UnderRecordings;
 use super::write::{made, place};
 use crate::args::{Gen, Numbers, Pairs};
 use crate::failure::Exit;
@@ -73,7 +74,9 @@ pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
         PairDraw { proposed: values(), target: values(), own, scale: None }
     };
     let out = place(options);
-    made(options, &header, |report| {
+    let notes: Vec<Note> =
+        driven.recordings.iter().flat_map(|(name, one)| one.notes.iter().map(|note| named(name, note))).collect();
+    made(options, (&header, &notes), |report| {
         // Only what the program still stands by in the end gets its name.
         let mut stands = |done, all| (done < all || session.settle().is_ok()) && report(done, all);
         let generated = generate(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
@@ -92,27 +95,8 @@ pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     })
 }
 
-/// A program whose rollouts are driven as recordings were: the one nuisance parameter is the number of the recording.
-struct UnderRecordings {
-    inner: Box<dyn Simulator>,
-    recordings: Vec<Prepared>,
-}
-
-impl Simulator for UnderRecordings {
-    fn parameters(&self) -> &[Parameter] {
-        self.inner.parameters()
-    }
-
-    fn channels(&self) -> &[Channel] {
-        self.inner.channels()
-    }
-
-    fn rollout(&self, parameters: &[f64], recording: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
-        let is = |(i, _): &(usize, &Prepared)| Some(&(*i as f64)) == recording.first();
-        let numbered = self.recordings.iter().enumerate().find(is).map(|(_, recording)| recording);
-        let recording = numbered.unwrap_or(&self.recordings[0]);
-        let bare = Circumstances::default();
-        let known = recording.circumstances.as_deref().unwrap_or(&bare);
-        self.inner.rollout_driven(parameters, &recording.nuisance_values(), known, clock, values)
-    }
+/// A note with the name of its recording, where it has one.
+fn named(name: &str, note: &Note) -> Note {
+    let text = if name.is_empty() { note.text.clone() } else { format!("{name}: {}", note.text) };
+    Note { text, ..note.clone() }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::network::DatasetHeader;
+use tunenet_core::observation::Note;
 use tunenet_formats::Error;
 use tunenet_formats::dataset::DatasetReader;
 
@@ -14,12 +15,13 @@ use crate::files::names;
 use crate::shard::{self, Share};
 use crate::view;
 use crate::view::answer::Printout;
+use crate::view::json::warning;
 use crate::view::text::{progress, stage};
 
-/// Makes the pairs with `make`, where they are not there already, and says so.
+/// Makes the pairs with `make`, where they are not there already, and says so, with what was noticed.
 pub fn made(
     options: &Gen,
-    header: &DatasetHeader,
+    (header, notes): (&DatasetHeader, &[Note]),
     make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_formats::Result<()>,
 ) -> Result<Exit> {
     if !there(options, header)? {
@@ -31,7 +33,7 @@ pub fn made(
         })?;
         bar.finish_and_clear();
     }
-    render(options, header)
+    render(options, header, notes)
 }
 
 /// Where the pairs are written: under `--out`, or where a shard of it belongs.
@@ -64,7 +66,7 @@ fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
     Ok(whole)
 }
 
-fn render(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
+fn render(options: &Gen, header: &DatasetHeader, notes: &[Note]) -> Result<Exit> {
     if let Some(shard) = options.sharing.shard {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
@@ -76,11 +78,14 @@ fn render(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
     );
-    Printout::default().show(options.common.json, || {
+    let mut shown = Printout::default();
+    shown.warn_all(notes);
+    shown.show(options.common.json, || {
         let frames = (!header.clocks_in_pairs()).then_some(header.clock.len());
         json!({
             "schema": "tunenet.gen/1", "file": names::file_name(&options.out), "preset": header.preset,
-            "pairs": options.pairs, "seed": header.seed, "frames": frames, "warnings": [],
+            "pairs": options.pairs, "seed": header.seed, "frames": frames,
+            "warnings": notes.iter().map(warning).collect::<Vec<_>>(),
         })
     })?;
     Ok(Exit::Done)
