@@ -72,13 +72,13 @@ pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], column
             return f64::INFINITY;
         }
         // In these coordinates the process is tridiagonal; the mean of its eigenvalues makes the variance free of units.
-        let (axes, diagonal, beside) = symmetric.symmetric_tridiagonalize().unpack();
+        let (axes, diagonal, off_diagonal) = symmetric.symmetric_tridiagonalize().unpack();
         let along = axes.tr_mul(&left);
         let scale = (diagonal.sum() / n as f64).max(f64::MIN_POSITIVE);
         for k in 0..VARIANCES {
             let share = f64::from(k) / f64::from(VARIANCES - 1);
             let variance = 10.0_f64.powf(DECADES.0 + share * (DECADES.1 - DECADES.0)) / scale;
-            best = best.max(log_odds(diagonal.as_slice(), beside.as_slice(), along.as_slice(), variance));
+            best = best.max(log_odds(diagonal.as_slice(), off_diagonal.as_slice(), along.as_slice(), variance));
         }
     }
     best
@@ -86,10 +86,10 @@ pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], column
 
 /// ½ zᵀz − ½ zᵀ A⁻¹ z − ½ ln det A with A = 1 + variance · T, where T is symmetric and tridiagonal with these numbers on its diagonal and
 /// next to it: by A = L D Lᵀ (Golub and Van Loan 2013, section 4.3.6).
-fn log_odds(diagonal: &[f64], beside: &[f64], z: &[f64], variance: f64) -> f64 {
+fn log_odds(diagonal: &[f64], off_diagonal: &[f64], z: &[f64], variance: f64) -> f64 {
     let (mut odds, mut pivot, mut solved) = (0.0, 1.0, 0.0);
     for (i, (&own, &z)) in diagonal.iter().zip(z).enumerate() {
-        let coupling = if i == 0 { 0.0 } else { variance * beside[i - 1] };
+        let coupling = if i == 0 { 0.0 } else { variance * off_diagonal[i - 1] };
         let factor = coupling / pivot;
         // T has no negative eigenvalues but those of rounding.
         pivot = (1.0 + variance * own - factor * coupling).max(f64::MIN_POSITIVE);
@@ -123,7 +123,7 @@ mod tests {
         let process = &root * root.transpose();
         let z = DVector::from_fn(6, |i, _| (1.7 * i as f64).cos());
         let eigen = process.clone().symmetric_eigen();
-        let (axes, diagonal, beside) = process.symmetric_tridiagonalize().unpack();
+        let (axes, diagonal, off_diagonal) = process.symmetric_tridiagonalize().unpack();
         let turned = axes.tr_mul(&z);
         let along = eigen.eigenvectors.tr_mul(&z);
         for variance in [1e-5, 0.3, 1e3] {
@@ -132,7 +132,7 @@ mod tests {
                 0.5 * z * z * (1.0 - more.recip()) - 0.5 * more.ln()
             });
             let wanted: f64 = each.sum();
-            let found = log_odds(diagonal.as_slice(), beside.as_slice(), turned.as_slice(), variance);
+            let found = log_odds(diagonal.as_slice(), off_diagonal.as_slice(), turned.as_slice(), variance);
             assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "{found} {wanted}");
         }
     }
