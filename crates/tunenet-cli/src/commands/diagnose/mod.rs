@@ -78,7 +78,9 @@ fn units(loaded: &Loaded, diagnosis: &Diagnosis) -> Vec<Note> {
         return Vec::new();
     }
     let of = |object: usize| {
-        let own = loaded.recorded.iter().filter(|one| one.object == object);
+        // What a ball does along an axis may differ from throw to throw by any factor, and its units are checked by its fall.
+        let declares = loaded.objects[object].file.domain().declares();
+        let own = loaded.recorded.iter().filter(|one| declares && one.object == object);
         odd_units(&own.map(|one| (one.name.as_str(), &one.seen)).collect::<Vec<_>>())
     };
     (0..loaded.objects.len()).flat_map(of).collect()
