@@ -12,6 +12,7 @@ use crate::diagnose::judge::adequacy::noise_correlation;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::validation_doubt::{Doubt, validation_doubt};
 use crate::diagnose::strategy::{Attempt, Control, RandomParameter, Scope};
+use crate::statistics::mad_sd;
 
 /// A model may not raise the held-out residual by more than this factor.
 const HELD_OUT_WORSE: f64 = 1.05;
@@ -165,14 +166,17 @@ fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
 }
 
 /// Of recordings that are held out, where effects are expected to be explained down to the noise: the one that leaves most, as its position
-/// among the recordings given, and the root mean square of its residuals over their noise.
+/// among the recordings given, and its residuals over their noise: their root mean square, or the robust scale of its worst channel where
+/// that is less, since a few outliers are no disagreement.
 fn worst_held_out(context: &Context, residuals: &[Vec<f64>]) -> Option<(usize, f64)> {
     if context.evidence.driven() || context.evidence.discrepancy() {
         return None;
     }
     let of = |(set, residuals): (&Set, &Vec<f64>)| {
-        let count = set.keep.iter().filter(|keep| **keep).count().max(1);
-        (set.recording, (residuals.iter().map(|r| r * r).sum::<f64>() / count as f64).sqrt())
+        let kept = || residuals.iter().enumerate().filter(|(i, _)| set.keep[*i]);
+        let mean_square = kept().map(|(_, r)| r * r).sum::<f64>() / kept().count().max(1) as f64;
+        let channel = |c: usize| mad_sd(kept().filter(|(i, _)| i % set.width() == c).map(|(_, r)| *r));
+        (set.recording, (0..set.width()).map(channel).fold(0.0, f64::max).min(mean_square.sqrt()))
     };
     let all = context.evidence.validation.iter().zip(residuals).map(of);
     all.max_by(|a, b| a.1.total_cmp(&b.1))
