@@ -381,26 +381,6 @@ impl Tuning<'_> {
         Ok((walk.iterations, nuisances.point))
     }
 
-    /// The recordings' nuisance parameters fitted at `start`, or their first guesses where a limit leaves too few rollouts for that besides
-    /// the first step of the fit.
-    ///
-    /// # Errors
-    /// Where the limit does not even leave these, and where the simulator refuses.
-    fn fit_nuisances(&self, start: &Point) -> Result<Fit> {
-        let problem = self.problem();
-        let first_step = problem.first_step();
-        if self.log.allowance().is_some_and(|allowed| allowed < first_step) {
-            return Err(problem.unaffordable());
-        }
-        let log = self.log.reserving(first_step);
-        let nuisances = Problem { free: &[], log: Some(&log), ..self.problem() };
-        let none = self.recordings.iter().all(|recording| recording.nuisances.is_empty());
-        if none || log.affords(nuisances.first_step()) {
-            return Problem { log: Some(if none { self.log } else { &log }), ..nuisances }.fit(start.clone(), 1.0);
-        }
-        Problem { log: Some(self.log), ..nuisances }.evaluate(start.clone())
-    }
-
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;

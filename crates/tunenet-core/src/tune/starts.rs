@@ -2,7 +2,7 @@
 
 use super::Tuning;
 use crate::estimate::problem::robust_scale;
-use crate::estimate::{Fit, MisfitGrid, Phase, Point};
+use crate::estimate::{Fit, MisfitGrid, Phase, Point, Problem};
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
@@ -37,6 +37,26 @@ const SAME_MISFIT: f64 = 1e-9;
 const FLAT_STARTS: u32 = 40;
 
 impl Tuning<'_> {
+    /// The recordings' nuisance parameters fitted at `start`, or their first guesses where a limit leaves too few rollouts for that besides
+    /// the first step of the fit.
+    ///
+    /// # Errors
+    /// Where the limit does not even leave these, and where the simulator refuses.
+    pub(super) fn fit_nuisances(&self, start: &Point) -> Result<Fit> {
+        let problem = self.problem();
+        let first_step = problem.first_step();
+        if self.log.allowance().is_some_and(|allowed| allowed < first_step) {
+            return Err(problem.unaffordable());
+        }
+        let log = self.log.reserving(first_step);
+        let nuisances = Problem { free: &[], log: Some(&log), ..self.problem() };
+        let none = self.recordings.iter().all(|recording| recording.nuisances.is_empty());
+        if none || log.affords(nuisances.first_step()) {
+            return Problem { log: Some(if none { self.log } else { &log }), ..nuisances }.fit(start.clone(), 1.0);
+        }
+        Problem { log: Some(self.log), ..nuisances }.evaluate(start.clone())
+    }
+
     /// The best fit, and the places that were looked at around it.
     ///
     /// Where the misfit is smooth, a fit that leaves no more than noise and lies within the bounds is the answer. Otherwise the best
