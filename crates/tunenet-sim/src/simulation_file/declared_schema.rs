@@ -101,7 +101,7 @@ pub const COEFFICIENT_KEYS: &[Key] = &[
         "typical",
         Shape::Number(1e-12, GREATEST),
         true,
-        "distance from `absent` at which fits begin (of a formula's number by default a part of the range)",
+        "how far from `absent` fits begin; a formula's number may leave it out",
     ),
     key("plausible", Shape::Numbers(2, -GREATEST, GREATEST), false, "outside it fits, and is not plausible"),
 ];

@@ -282,6 +282,9 @@ fn whole(value: f64) -> String {
     with_decimals(value.round() + 0.0, 0)
 }
 
+/// Two explanations that lie nearer to each other than this are as good.
+const LEVEL: f64 = 0.5;
+
 /// Margins and tests in one line.
 fn margins(diagnosis: &Diagnosis) -> Option<String> {
     if diagnosis.adequacy.is_empty() {
@@ -297,7 +300,11 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
         diagnosis.effects().iter().filter_map(|e| Some((e.evidence.runner_up.as_ref()?, e.evidence.runner_up_bic_gap)));
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
         // What is ahead was passed over for another reason than its evidence.
-        let place = if gap < 0.0 { format!("{} ahead", whole(-gap)) } else { format!("{} behind", whole(gap)) };
+        let place = match gap {
+            gap if gap.abs() < LEVEL => "as good".to_owned(),
+            gap if gap < 0.0 => format!("{} ahead", whole(-gap)),
+            gap => format!("{} behind", whole(gap)),
+        };
         line = format!("next best: {name}, {place}; candidates within ΔBIC {:.0} are kept; {line}", diagnosis.margin);
     }
     Some(line)
