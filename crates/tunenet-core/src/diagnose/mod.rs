@@ -129,12 +129,12 @@ pub fn diagnose_with(
             ));
         }
     }
-    let preparations = Preparations { uses, notes };
     let rollouts = RolloutLog::new(settings.max_rollouts, None, None);
-    let unread = unread_starts(subjects, &sets, &rollouts);
-    for note in &unread {
-        progress(Progress::Noticed(note));
+    for note in unread_starts(subjects, &sets, &rollouts) {
+        progress(Progress::Noticed(&note));
+        notes.push(note);
     }
+    let preparations = Preparations { uses, notes };
     let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations), &rollouts);
     let first = problem.as_recorded();
     // What the limit ended is not used, not even in part: what it had reached depends on the number of threads.
@@ -159,7 +159,6 @@ pub fn diagnose_with(
         let text = "whole recordings were searched once; single recordings, segments and laws were not searched, and no experiment was designed";
         best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for the full search"));
     }
-    best.diagnosis.notes.extend(unread);
     Ok(Diagnosis { rollouts: rollouts.count(), ..best.diagnosis })
 }
 
