@@ -284,7 +284,7 @@ fn row(case: &std::result::Result<Answer, String>) -> Markup {
         Ok(answer) => {
             let known: Vec<_> = answer.outcome.parameters.iter().filter(|e| e.identified).collect();
             html! {
-                td.state data-name="verdict" { (word(answer.outcome.verdict)) }
+                td.state data-name="verdict" { (word(&answer.outcome)) }
                 td data-name="answer" {
                     @for (i, e) in known.iter().enumerate() {
                         @if i > 0 { ", " }

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use tunenet_core::findings as core_findings;
 use tunenet_core::observation::Note;
-use tunenet_core::tune::{Estimate, Outcome, Verdict};
+use tunenet_core::tune::{Estimate, Outcome, Stop, Verdict};
 use tunenet_sim::findings as sim_findings;
 
 use crate::answers::tune::reason;
@@ -14,9 +14,9 @@ pub fn verdict(outcome: &Outcome, names: &str) -> Markup {
     let class = if outcome.verdict == Verdict::Tuned { "verdict tuned" } else { "verdict not" };
     html! {
         section class=(class) {
-            (shape(shape_of(outcome.verdict), word(outcome.verdict)))
+            (shape(shape_of(outcome.verdict), word(outcome)))
             div {
-                p.word { (word(outcome.verdict)) }
+                p.word { (word(outcome)) }
                 p { (sentence(outcome, names)) }
                 @if let Some(note) = reason(outcome).or_else(|| open(outcome)) {
                     p { (prose(&note.text)) "." @if !note.remedy.is_empty() { " " span.try { (prose(&note.remedy)) "." } } }
@@ -61,10 +61,11 @@ fn open(outcome: &Outcome) -> Option<&Note> {
     outcome.notes.iter().find(|n| outcome.verdict == Verdict::NotIdentifiable && opening.contains(&n.kind))
 }
 
-pub fn word(verdict: Verdict) -> &'static str {
-    match verdict {
+pub fn word(outcome: &Outcome) -> &'static str {
+    match outcome.verdict {
         Verdict::Tuned => "Tuned",
         Verdict::Rejected => "Rejected",
+        Verdict::PoorFit if outcome.stop == Stop::Limit => "Not finished",
         Verdict::PoorFit => "Poor fit",
         Verdict::NotIdentifiable => "Not identifiable",
     }
@@ -77,6 +78,10 @@ fn sentence(outcome: &Outcome, names: &str) -> String {
     let (after, floor) = (gap(|g| g.after), gap(|g| g.noise_floor));
     match outcome.verdict {
         Verdict::Tuned => format!("The tuned simulation follows {names} to {after}; the noise floor is {floor}."),
+        Verdict::PoorFit if outcome.stop == Stop::Limit => format!(
+            "The limit on rollouts ended the fit to {names} before it had converged. The best values so far leave a gap of {after}; the \
+             noise floor is {floor}."
+        ),
         Verdict::PoorFit => format!(
             "The tuned simulation differs from {names} by {after}, but the noise floor is {floor}: an effect is missing from \
              the simulation, or the recording is of something else."
