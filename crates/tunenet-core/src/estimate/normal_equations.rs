@@ -6,6 +6,7 @@ use super::block_arrow::{Arrow, Block};
 use super::huber::huber_weight;
 use super::jacobian::Columns;
 use super::problem::{LeastSquares, Point};
+use crate::statistics::dot;
 
 /// The normal equations at `point`, whose residuals are `residuals`; bounds are ignored. Shared parameters are counted in the
 /// order of [`LeastSquares::free`].
@@ -22,15 +23,17 @@ pub(crate) fn normal_equations(
         let weights: Vec<f64> = left.iter().map(|r| huber_weight(*r, scale)).collect();
         let all: Vec<&Vec<f64>> = one.shared.iter().chain(&one.nuisances).collect();
         let (shared, nuisances) = (one.shared.len(), one.nuisances.len());
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * w * b).sum::<f64>();
         let mut normal = DMatrix::zeros(all.len(), all.len());
+        let mut right = DVector::zeros(all.len());
+        let mut weighted = vec![0.0; left.len()];
         for i in 0..all.len() {
+            weighted.iter_mut().zip(all[i]).zip(&weights).for_each(|((own, a), w)| *own = a * w);
             for j in 0..=i {
-                normal[(i, j)] = product(all[i], all[j]);
+                normal[(i, j)] = dot(&weighted, all[j]);
                 normal[(j, i)] = normal[(i, j)];
             }
+            right[i] = -dot(&weighted, left);
         }
-        let right = DVector::from_fn(all.len(), |i, _| -product(all[i], left));
         let places: Vec<usize> = one.places.iter().filter_map(|p| free.iter().position(|f| f == p)).collect();
         for (i, &row) in places.iter().enumerate() {
             arrow.right[row] += right[i];
