@@ -9,6 +9,7 @@ mod grow;
 mod intervals;
 mod joints;
 mod law;
+mod lazy;
 mod output;
 mod paper;
 mod preflight;

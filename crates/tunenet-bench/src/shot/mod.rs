@@ -34,6 +34,7 @@ use self::trial::{Planner, ShotTarget, ShotTrial};
 use self::world::{RADIUS_M, ShotState};
 use super::resume::{Store, program};
 use crate::args::{BenchShot, Measured};
+use crate::lazy::Lazy;
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
@@ -103,20 +104,21 @@ pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<ShotResults> 
         for (number, ball) in balls.iter().enumerate() {
             let ball = if rich { ball.clone().richer() } else { ball.clone() };
             let name = format!("{}{number}", if rich { "richer" } else { "ball" });
-            let target = target(ball, &planner)?;
+            // Where all trials are kept already, it is not needed.
+            let target = Lazy::new(|| target(ball.clone(), &planner));
             let mut all: Vec<ShotTrial> = Vec::new();
             for first in (0..count).step_by(usize::try_from(TRIALS_PER_PIECE)?) {
                 let numbers = first..(first + TRIALS_PER_PIECE).min(count);
                 let piece = format!("{name}-from-{first}-to-{}", numbers.end);
-                let played = store.piece(&piece, || played(&target, &name, seed, numbers.clone(), &planner))?;
+                let played = store.piece(&piece, || played(target.get()?, &name, seed, numbers.clone(), &planner))?;
                 all.extend(played.into_iter().flatten());
                 bar.inc(numbers.end - first);
             }
             if count > 0 {
                 let random_stream = |shot: u64| stream(seed, &name, shot, LACKING);
-                let costs = || lacking::costs(&target, &planner, &random_stream);
+                let costs = || lacking::costs(target.get()?, &planner, &random_stream);
                 let lacking = if lacking { store.keep(&format!("{name}-lacking"), costs)? } else { Vec::new() };
-                series.push(Series { ball: target.ball, rich, trials: all, lacking });
+                series.push(Series { ball: ball.clone(), rich, trials: all, lacking });
             }
         }
     }

@@ -9,6 +9,7 @@ use super::super::super::tuning::rivals::{self, Stored};
 use super::super::super::tuning::targets::{DropTarget, Simulation};
 use super::BUDGETS;
 use super::direct::Direct;
+use crate::lazy::Lazy;
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,11 +114,20 @@ pub struct Table2Tuners<'a> {
     pub default: &'a Model,
     pub paper: &'a Model,
     pub paper_adam: &'a Model,
-    pub direct: &'a Direct,
-    pub direct_adam: &'a Direct,
+    pub direct: &'a Lazy<'a, Direct>,
+    pub direct_adam: &'a Lazy<'a, Direct>,
 }
 
 impl Table2Tuners<'_> {
+    /// Trains what `method` estimates with, before threads share it.
+    pub fn prepare(&self, method: Method) -> Result<()> {
+        match method {
+            Method::Direct => self.direct.get().map(|_| ()),
+            Method::DirectAdam => self.direct_adam.get().map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+
     /// The estimate after 0, 1, … rollouts, up to the greatest of [`BUDGETS`].
     pub fn course(&self, method: Method, target: &DropTarget, seed: u64) -> Result<Course> {
         let (simulation, most) = (self.simulation, BUDGETS[BUDGETS.len() - 1]);
@@ -127,8 +137,8 @@ impl Table2Tuners<'_> {
             Method::Paper => ours::course(simulation, self.paper, target, most),
             Method::PaperAdam => ours::course(simulation, self.paper_adam, target, most),
             Method::Mean => Ok(vec![0.5; most + 1]),
-            Method::Direct => Ok(vec![self.direct.estimate(target)?; most + 1]),
-            Method::DirectAdam => Ok(vec![self.direct_adam.estimate(target)?; most + 1]),
+            Method::Direct => Ok(vec![self.direct.get()?.estimate(target)?; most + 1]),
+            Method::DirectAdam => Ok(vec![self.direct_adam.get()?.estimate(target)?; most + 1]),
             Method::EntropySearch => entropy_search::search(&search, most),
             Method::Evolution => evolution::search(&search, most, 1),
             Method::EvolutionInTwo => evolution::search(&search, most, 2),

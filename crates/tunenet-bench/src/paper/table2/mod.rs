@@ -25,6 +25,7 @@ use super::super::tuning::ours;
 use super::super::tuning::rivals::Stored;
 use super::super::tuning::rows::Conditions;
 use super::super::tuning::targets::{DropTarget, Simulation};
+use crate::lazy::Lazy;
 use crate::scene::{EASY, HARD};
 use tunenet_cli::view::text::progress;
 
@@ -66,8 +67,9 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Table2Results
         bar.inc(1);
         let paper_adam = ours::trained(store, &by_adam(), set_seed, quick)?.0;
         bar.inc(1);
-        let direct = Direct::train(&simulation, Preset::paper(), set_seed, quick)?;
-        let direct_adam = Direct::train(&simulation, by_adam(), set_seed, quick)?;
+        // Where all that they estimate is kept already, they are not needed.
+        let direct = Lazy::new(|| Direct::train(&simulation, Preset::paper(), set_seed, quick));
+        let direct_adam = Lazy::new(|| Direct::train(&simulation, by_adam(), set_seed, quick));
         bar.inc(1);
         for (place, (set, conditions)) in SETS.into_iter().enumerate() {
             let draw = |i| simulation.target(conditions, set_seed, FIRST_STREAM + place as u64, i);
@@ -83,7 +85,10 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Table2Results
             };
             for method in Method::ALL {
                 let key = format!("table2-{set}-{}-{set_seed}", method.key());
-                let measure = || SeedAccuracy::measure(&tuner, method, &targets, set_seed);
+                let measure = || {
+                    tuner.prepare(method)?;
+                    SeedAccuracy::measure(&tuner, method, &targets, set_seed)
+                };
                 let Some(accuracy) = store.piece(&key, measure)? else { continue };
                 match cells.iter_mut().find(|c| c.set == set && c.method == method) {
                     Some(cell) => cell.seeds.push(accuracy),
