@@ -12,6 +12,7 @@ use super::lasting::lasting;
 use super::parabolas::parabolas;
 use super::polynomial::Polynomial;
 use super::span;
+use super::stopped_fall::stopped_fall;
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
 /// 10^9 samples; the weakest impact that can be tuned to has far more.
@@ -125,7 +126,11 @@ impl Kinks {
         };
         let (sharp, aside) = (stays(sharp), stays(aside));
         // A weak rebound, seen by few frames, stands out from nothing; the fewest parabolas still end there.
-        let places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
+        let mut places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
+        if places.is_empty() {
+            // Fewer still show a drop that ends in rest by gravity alone.
+            places.extend(stopped_fall(clock, &axes[2], gravity).filter(|k| range.contains(k)));
+        }
         for k in places {
             let lines = (slope(&without_gravity, k + 1 - half..k + 1), slope(&without_gravity, k + 1..k + 1 + half));
             let (Some(before), Some(after)) = lines else { continue };

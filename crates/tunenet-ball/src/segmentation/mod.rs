@@ -9,6 +9,7 @@ pub(crate) mod parabolas;
 pub(crate) mod polynomial;
 mod release;
 mod rest;
+mod stopped_fall;
 mod turns;
 
 use std::sync::Arc;
