@@ -56,11 +56,11 @@ fn threads_and_repetition_change_no_byte() {
     folder.write("a.csv", slow.csv());
     folder.write("b.csv", Drop { seed: 2, height_m: 0.8, ..slow }.csv());
     folder.write("c.csv", Drop { seed: 3, height_m: 1.3, ..slow }.csv());
-    folder.run("gen ball --sim drop.toml --pairs 600 --seed 5 --out learn.mcap").ends(0);
+    folder.run("gen ball --sim drop.toml --pairs 200 --seed 5 --out learn.mcap").ends(0);
     for line in [
         "simulate --sim drop.toml --out s.mcap --json",
-        "gen ball --sim drop.toml --pairs 600 --seed 5 --out pairs.mcap --json",
-        "gen ball --preset general --pairs 60 --seed 5 --out pairs.mcap",
+        "gen ball --sim drop.toml --pairs 200 --seed 5 --out pairs.mcap --json",
+        "gen ball --preset general --pairs 20 --seed 5 --out pairs.mcap",
         "train --data learn.mcap --preset paper --seed 5 --out m.safetensors",
         "tune --sim scene.toml --observation a.csv b.csv --seed 5 --out t.toml --report t.html",
         "tune --sim scene.toml --observation a.csv --seed 5 --json",
