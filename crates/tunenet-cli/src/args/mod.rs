@@ -366,6 +366,8 @@ pub struct Gen {
     #[arg(long, value_name = "FILE.toml")]
     pub manifest: Option<PathBuf>,
     #[command(flatten)]
+    pub reading: Numbers,
+    #[command(flatten)]
     pub permission: Permission,
     /// Dataset to write (MCAP)
     #[arg(short, long, value_name = "FILE.mcap")]

@@ -31,10 +31,13 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&out, message, "choose a name that ends in .mcap").into());
     }
-    if let (true, false) = (
-        options.inputs.is_some() || options.manifest.is_some(),
-        matches!(options.domain, Domain::Process | Domain::Equations | Domain::Robot),
-    ) {
+    let reads = options.inputs.is_some() || options.manifest.is_some();
+    if let Some(name) = options.reading.given().filter(|_| !reads) {
+        let (expected, found) = ("a recording that drives the simulation (`--inputs` or `--manifest`)", "none".into());
+        let origin = tunenet_core::Origin::Flag;
+        return Err(tunenet_core::Error::Setting { origin, name, expected: expected.into(), found }.into());
+    }
+    if let (true, false) = (reads, matches!(options.domain, Domain::Process | Domain::Equations | Domain::Robot)) {
         let name = if options.inputs.is_some() { "--inputs" } else { "--manifest" };
         let (expected, found) =
             ("`gen process`, `gen equations` or `gen robot` for recorded inputs".into(), "another scene".into());

@@ -16,7 +16,7 @@ use super::super::load::{self, Driven};
 use super::super::refusal::{self, Asked};
 use super::under_recordings::UnderRecordings;
 use super::write::{made, place};
-use crate::args::{Gen, Numbers, Pairs};
+use crate::args::{Gen, Pairs};
 use crate::failure::Exit;
 
 pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
@@ -41,7 +41,7 @@ pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     }
     load::of_kind(&file, domain)?;
     let session = load::session(options.permission);
-    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref(), &Numbers::default())?;
+    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
     let inner = driven.setups.simulator(Kind::Other, &session)?;
     let program = UnderRecordings { recordings: driven.prepared(&inner)?, inner };
     if !program.parameters().iter().any(|p| p.tune) {
