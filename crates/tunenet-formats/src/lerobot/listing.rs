@@ -7,7 +7,7 @@ use crate::findings;
 use crate::numbered::EPISODE;
 use crate::recording::ReadOptions;
 use crate::shown::{counted, list};
-use crate::units;
+use crate::units::{self, ACTION};
 use tunenet_core::observation::Note;
 
 /// How many frames are looked at for the units: a few episodes.
@@ -44,8 +44,11 @@ impl DataSet {
         let width = names.len().max(1);
         let readings = |column: usize| values.iter().skip(column).step_by(width).copied().collect::<Vec<f64>>();
         let column = |(i, name): (usize, &String)| EpisodeColumn::of(name, &readings(i), &options.units);
-        let columns: Vec<EpisodeColumn> = names.iter().enumerate().map(column).collect();
-        let suggested = columns.iter().filter(|column| column.unit.is_none());
+        let mut columns: Vec<EpisodeColumn> = names.iter().enumerate().map(column).collect();
+        as_joints(&mut columns);
+        // What is said of a joint holds for its command.
+        let own = |column: &EpisodeColumn| !command_of(&columns, column).is_some_and(|joint| joint.proposed.is_some());
+        let suggested = columns.iter().filter(|column| column.unit.is_none() && own(column));
         let flags = suggested.filter_map(|column| Some(format!("{}={}", column.name, column.proposed.as_ref()?)));
         let units = flags.collect::<Vec<String>>().join(",");
         let length = |episode: &super::Episode| EpisodeLength {
@@ -81,5 +84,23 @@ impl DataSet {
             format!("run `git lfs pull` in its repository: {files} of `data` were not downloaded")
         };
         Some(Note::new(findings::EPISODES_MISSING, text, &remedy))
+    }
+}
+
+/// The joint that a column holds the commands of.
+fn command_of<'a>(columns: &'a [EpisodeColumn], column: &EpisodeColumn) -> Option<&'a EpisodeColumn> {
+    let joint = column.name.strip_prefix(ACTION)?;
+    columns.iter().find(|column| column.name == joint)
+}
+
+/// Gives commands the unit of their joints: a leader's numbers, normalised to its own range, are goals in the range of the follower.
+fn as_joints(columns: &mut [EpisodeColumn]) {
+    let before = columns.to_vec();
+    for column in columns.iter_mut().filter(|column| column.unit.is_none()) {
+        let Some(joint) = command_of(&before, column).filter(|joint| joint.proposed.is_some()) else { continue };
+        if joint.proposed != column.proposed {
+            column.proposed.clone_from(&joint.proposed);
+            column.why = format!("a goal of `{}` is in the unit of its positions", joint.name);
+        }
     }
 }

@@ -167,7 +167,8 @@ fn units_are_asked_for_by_the_flag_that_the_numbers_suggest() {
     // 1789 and 2477 counts of 360°/4096 over 200.
     assert!(hint.contains("`--units a=0.7862deg,b=1.0885deg`"), "{hint}");
     let Contents::Episodes(listed) = contents(&new).unwrap() else { panic!("episodes") };
-    assert_eq!(listed.units, "a=0.7862deg,b=1.0885deg,action.a=0.7862deg,action.b=1.0885deg");
+    // What is said of a joint holds for its command.
+    assert_eq!(listed.units, "a=0.7862deg,b=1.0885deg");
     assert_eq!(listed.episodes.iter().map(|e| e.frames).collect::<Vec<_>>(), [Some(40), Some(20), Some(60)]);
     let unknown = read(new.join("episode_2"), &state("c=deg")).unwrap_err().to_string();
     assert!(unknown.contains("one of the columns `a`, `b`, `action.a`, `action.b`"), "{unknown}");
