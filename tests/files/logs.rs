@@ -57,6 +57,34 @@ fn a_data_set_is_listed_with_units_that_have_to_be_said() {
     assert!(tuned.json()["verdict"].is_string(), "{}", tuned.stderr);
 }
 
+/// 2048 counts over 200 units are 0.9° for each.
+#[test]
+fn a_calibration_file_states_the_units_of_its_joints() {
+    let folder = Folder::new();
+    data_set(&folder);
+    folder.write("a.toml", FOLLOWING);
+    folder.write("robot.json", r#"{"a": {"id": 1, "range_min": 1000, "range_max": 3048}}"#);
+    let listed = folder.run("inspect set --calibration robot.json --units b=rad --json").ends(0).json();
+    let units: Vec<Value> = listed["columns"].as_array().unwrap().iter().map(|c| c["unit"].clone()).collect();
+    assert_eq!(units, ["0.900000deg", "rad", "0.900000deg", "rad"]);
+    let shown = folder.run("inspect set --calibration robot.json").ends(0).stdout;
+    assert!(shown.contains("the calibration file: -100 to 100 are 2048 counts"), "{shown}");
+    // What is typed counts more than the file.
+    let both = folder.run("inspect set --calibration robot.json --units a=rad --json").ends(0).json();
+    assert_eq!(both["columns"][0]["unit"], "rad");
+    let stated = folder.run("tune --sim a.toml set --calibration robot.json --json");
+    assert!(stated.json()["verdict"].is_string(), "{}", stated.stderr);
+    folder.write("other.json", r#"{"wrist": {"range_min": 1000, "range_max": 3048}}"#);
+    let refused = folder.run("tune --sim a.toml set --calibration other.json").ends(2).stderr;
+    assert!(refused.contains("`--calibration`: expected one of the columns `a`, `b`"), "{refused}");
+    folder.write("broken.json", r#"{"a": {"id": 1}}"#);
+    let refused = folder.run("tune --sim a.toml set --calibration broken.json").ends(1).stderr;
+    assert!(refused.contains("broken.json: expected a calibration file of LeRobot"), "{refused}");
+    folder.write("drop.csv", "t_s,z_m\n0,1\n0.1,0.9\n0.2,0.8\n");
+    let refused = folder.run("inspect drop.csv --calibration robot.json").stdout;
+    assert!(refused.contains("unusable `--calibration`: expected a data set of LeRobot"), "{refused}");
+}
+
 #[test]
 fn what_drives_a_simulation_is_read_as_recordings_are() {
     let folder = Folder::new();
@@ -68,6 +96,11 @@ fn what_drives_a_simulation_is_read_as_recordings_are() {
         assert!(refused.stderr.contains("--units"), "{}", refused.stderr);
         folder.run(&format!("simulate --sim a.toml {given} --units deg")).ends(0);
     }
+    let gen_few = "gen equations --sim a.toml --manifest m.toml --pairs 2 --out pairs.mcap";
+    assert!(folder.run(gen_few).ends(1).stderr.contains("--units"));
+    folder.run(&format!("{gen_few} --units deg")).ends(0);
+    let refused = folder.run("gen equations --sim a.toml --units deg --pairs 2 --out other.mcap").ends(2);
+    assert!(refused.stderr.contains("expected a recording that drives the simulation"), "{}", refused.stderr);
     let columns = folder.text("out/episode_0.csv");
     assert!(columns.starts_with("t_s,a_rad,action.a\n"), "{}", columns.lines().next().unwrap_or_default());
     folder.write("ball.toml", "kind = \"ball\"\n[ball]\nradius_m = 0.02\n[release]\nheight_m = 1.0\n");

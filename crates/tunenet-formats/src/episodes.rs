@@ -13,7 +13,7 @@ use crate::place::is_data_set;
 use crate::proposal::proposal;
 use crate::shown::list;
 #[cfg(feature = "logs")]
-use crate::units::{self, UnitRule};
+use crate::units::{self, Calibrated, UnitRule};
 use crate::{Error, Result};
 use tunenet_core::observation::Note;
 
@@ -65,11 +65,20 @@ impl EpisodeColumn {
     /// A column by its readings, with the unit that one of `rules` states.
     pub(crate) fn of(name: &str, readings: &[f64], rules: &[UnitRule]) -> Self {
         let found = proposal(readings);
-        let unit = units::rule(rules, name).map(|rule| match rule.factor {
+        let rule = units::rule(rules, name);
+        let calibrated = rule.and_then(|rule| rule.calibrated.as_ref());
+        let unit = rule.map(|rule| match rule.factor {
             1.0 => rule.unit.clone(),
+            factor if calibrated.is_some() => format!("{factor:.6}{}", rule.unit),
             factor => format!("{factor}{}", rule.unit),
         });
-        Self { name: name.to_owned(), unit, proposed: found.unit, why: found.why }
+        let why = match calibrated {
+            Some(Calibrated { counts, within: (low, high), .. }) => {
+                format!("the calibration file: {low} to {high} are {counts} counts")
+            }
+            None => found.why,
+        };
+        Self { name: name.to_owned(), unit, proposed: found.unit, why }
     }
 }
 

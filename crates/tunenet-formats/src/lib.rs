@@ -17,7 +17,7 @@
 //! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
 //! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
 //! | `kept` | what was read last of files that have not changed |
-//! | `units`, `unstated`, `proposal` | units of columns whose file states none |
+//! | `units`, `unstated`, `proposal`, `calibration` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
@@ -30,6 +30,7 @@
 mod atomic;
 #[cfg(feature = "logs")]
 mod bag;
+mod calibration;
 mod clock_jump;
 mod contents;
 mod csv;
@@ -77,6 +78,7 @@ mod units;
 mod unstated;
 
 pub use atomic::write_atomically;
+pub use calibration::read_calibration;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
 pub use documents::{refuse_git_lfs_pointer, refuse_markup};
@@ -97,4 +99,4 @@ pub use shown::{shell_word, shown_path};
 pub use source::{Version, open, read_bytes};
 pub use tunenet_core::Action;
 pub(crate) use tunenet_core::Origin;
-pub use units::UnitRule;
+pub use units::{Calibrated, UnitRule};

@@ -30,6 +30,16 @@ pub struct Proposal {
     pub why: String,
 }
 
+/// The smallest step between these readings of one channel, where they lie on the lattice of an encoder.
+pub(crate) fn encoder_step(readings: &[f64]) -> Option<f64> {
+    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let way = sorted.last()? - sorted.first()?;
+    let step = if sorted.len() < FEWEST { None } else { lattice_step(&sorted) };
+    step.filter(|step| way <= TURNS * COUNTS * step)
+}
+
 /// The proposal for these readings of one channel; they are in any order.
 pub(crate) fn proposal(readings: &[f64]) -> Proposal {
     let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();

@@ -55,7 +55,12 @@ pub fn refuse_unused_options(path: impl AsRef<Path>, options: &ReadOptions) -> R
     if options.rate_hz.is_some() {
         return refuse("rate", "an HDF5 file, which may have no column of times", what);
     }
-    refuse("units", "a data set of LeRobot or an HDF5 file (others have them in `--columns`, as in q1_deg=elbow)", what)
+    let by_file = options.units.iter().all(|rule| rule.calibrated.is_some());
+    refuse(
+        if by_file { "calibration" } else { "units" },
+        "a data set of LeRobot or an HDF5 file (others have them in `--columns`, as in q1_deg=elbow)",
+        what,
+    )
 }
 
 /// What the recording at a place stands in: `None` is a data set of LeRobot.

@@ -15,6 +15,19 @@ pub struct UnitRule {
     pub factor: f64,
     /// The unit as it ends a header: `rad`, `deg`, `m`, `nm`; `1` for a plain number.
     pub unit: String,
+    /// What a calibration file says of its numbers, where one states the rule; such a rule need not fit any column.
+    pub calibrated: Option<Calibrated>,
+}
+
+/// The numbers of a joint that a calibration file normalises.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    /// Over how many counts of the encoder they go.
+    pub counts: f64,
+    /// From which to which number.
+    pub within: (f64, f64),
+    /// What one count is in them.
+    pub step: f64,
 }
 
 impl UnitRule {
@@ -34,7 +47,7 @@ impl UnitRule {
         let unit = plain(unit);
         let known = unit == "1" || Channel::from_header(&format!("x_{unit}")).is_some_and(|c| c.unit != "1");
         match factor.filter(|_| known && !name.is_empty() && !said.is_empty()) {
-            Some(factor) => Ok(Self { name: name.to_owned(), factor, unit }),
+            Some(factor) => Ok(Self { name: name.to_owned(), factor, unit, calibrated: None }),
             None => Err(format!(
                 "expected a unit such as rad, deg, m, mm or 1 (a plain number), with a factor where one in the file is not one of it, \
                  as in elbow=1.0122deg; found `{text}`"
@@ -72,10 +85,17 @@ pub(crate) fn rule<'a>(rules: &'a [UnitRule], name: &str) -> Option<&'a UnitRule
 /// [`Setting`](tunenet_core::Error::Setting) with the names that there are.
 #[cfg(feature = "logs")]
 pub(crate) fn refuse_unused(rules: &[UnitRule], names: &[String]) -> Result<()> {
-    let Some(unused) = rules.iter().find(|rule| !names.iter().any(|name| rule.is_about(name))) else { return Ok(()) };
+    let fits = |rule: &UnitRule| names.iter().any(|name| rule.is_about(name));
+    let (calibrated, said): (Vec<&UnitRule>, Vec<&UnitRule>) = rules.iter().partition(|rule| rule.calibrated.is_some());
+    let (name, unused) = match said.into_iter().find(|rule| !fits(rule)) {
+        Some(unused) => ("units", Some(unused)),
+        // A robot's file may be about more joints than its log.
+        None => ("calibration", calibrated.first().copied().filter(|_| !calibrated.iter().any(|rule| fits(rule)))),
+    };
+    let Some(unused) = unused else { return Ok(()) };
     Err(tunenet_core::Error::Setting {
         origin: Origin::Flag,
-        name: "units",
+        name,
         expected: format!("one of the columns {}", list(names.iter().map(String::as_str), 12)),
         found: format!("`{}`", unused.name),
     }
@@ -117,11 +137,14 @@ mod tests {
     fn a_rule_names_columns_a_factor_and_a_unit() {
         let one = rule_of("elbow=1.0122deg");
         assert_eq!((one.name.as_str(), one.factor, one.unit.as_str()), ("elbow", 1.0122, "deg"));
-        assert_eq!(rule_of("rad"), UnitRule { name: "*".into(), factor: 1.0, unit: "rad".into() });
+        assert_eq!(rule_of("rad"), UnitRule { name: "*".into(), factor: 1.0, unit: "rad".into(), calibrated: None });
         assert_eq!(rule_of("gripper=1").unit, "1");
         assert_eq!(rule_of("gripper=0.01").factor, 0.01);
         assert_eq!(rule_of("a=1e-3m").factor, 1e-3);
-        assert_eq!(rule_of("a=-1rad/s"), UnitRule { name: "a".into(), factor: -1.0, unit: "rad_s".into() });
+        assert_eq!(
+            rule_of("a=-1rad/s"),
+            UnitRule { name: "a".into(), factor: -1.0, unit: "rad_s".into(), calibrated: None }
+        );
         for wrong in ["a=", "a=foot", "=rad", "a=0rad", "a=nandeg", ""] {
             assert!(UnitRule::parse(wrong).is_err(), "{wrong}");
         }

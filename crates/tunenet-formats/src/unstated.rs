@@ -4,17 +4,23 @@ use std::path::Path;
 
 use crate::csv::columns::found;
 use crate::findings;
-use crate::proposal::proposal;
+use crate::proposal::{encoder_step, proposal};
 use crate::quantity::Quantity;
 use crate::ranges::written_out;
 use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
-use crate::units::{self, ACTION};
+use crate::units::{self, ACTION, Calibrated};
 use crate::{Error, Result, shell_word};
 use tunenet_core::observation::plain;
 
 /// What `--units` says of a plain number, which has the unit that `--columns` gives it.
 const PLAIN: &str = "1";
+
+/// How far a number may be beyond the ends that a calibration file states, as a share of the way between them.
+const BEYOND: f64 = 0.0025;
+
+/// How far the step of numbers may be from the one that a calibration file states, as a share of it.
+const NEAR: f64 = 0.01;
 
 /// The columns of an episode under their units.
 pub(crate) struct Unstated {
@@ -24,6 +30,8 @@ pub(crate) struct Unstated {
     /// The name of each under its unit, where that is stated, and what its numbers are multiplied with.
     headers: Vec<String>,
     factors: Vec<Option<f64>>,
+    /// What a calibration file says of the numbers of each.
+    calibrated: Vec<Option<Calibrated>>,
     /// How they are read: what `--columns` says of them is in their own units by now.
     options: ReadOptions,
 }
@@ -43,7 +51,7 @@ impl Unstated {
         let place = |theirs: &str| found(theirs, &all).and_then(|(column, _)| column.checked_sub(1));
         let mapped: Vec<usize> = pairs.iter().filter_map(|(_, theirs)| place(theirs)).collect();
         let named = |name: &str| options.others.iter().any(|other| other.name == name);
-        let (mut headers, mut factors) = (Vec::new(), Vec::new());
+        let (mut headers, mut factors, mut calibrated) = (Vec::new(), Vec::new(), Vec::new());
         for (at, name) in names.iter().enumerate() {
             let rule = units::rule(&options.units, name).map(units::own);
             headers.push(match rule {
@@ -52,6 +60,9 @@ impl Unstated {
                 _ => name.clone(),
             });
             factors.push(rule.map(|(factor, _)| factor));
+            // Commands come from another arm, with a calibration of its own.
+            let state = units::rule(&options.units, name).filter(|_| !name.starts_with(ACTION));
+            calibrated.push(state.and_then(|rule| rule.calibrated.clone()));
         }
         let converted = |theirs: &str| {
             let rule = place(theirs).and_then(|at| units::rule(&options.units, &names[at]));
@@ -62,7 +73,7 @@ impl Unstated {
             (ours, theirs)
         });
         let options = ReadOptions { columns: columns.collect(), ..options.clone() };
-        Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, options })
+        Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, calibrated, options })
     }
 
     /// What the columns with this clock make; `values` are their numbers as the file has them, row by row.
@@ -70,6 +81,7 @@ impl Unstated {
     /// # Errors
     /// [`Error::File`] with the flag to add where a column is asked for whose unit is not stated.
     pub fn recording(&self, path: &Path, clock: Vec<f64>, mut values: Vec<f64>) -> Result<Recording> {
+        self.refuse_others(path, &values)?;
         let factors: Vec<(usize, f64)> = self
             .factors
             .iter()
@@ -119,6 +131,32 @@ impl Unstated {
         Err(Error::file(path, message, hint))
     }
 
+    /// Refuses numbers that are not normalised as their calibration file says: degrees, or another robot's.
+    ///
+    /// # Errors
+    /// [`Error::File`] with what is seen in place of it.
+    fn refuse_others(&self, path: &Path, values: &[f64]) -> Result<()> {
+        for (at, name) in self.names.iter().enumerate() {
+            let Some(Calibrated { within: (low, high), step, .. }) = self.calibrated[at] else { continue };
+            let column: Vec<f64> = values.iter().skip(at).step_by(self.names.len()).copied().collect();
+            let slack = BEYOND * (high - low);
+            let found = match column.iter().find(|v| **v < low - slack || **v > high + slack) {
+                Some(outside) => format!("{outside}"),
+                None => match encoder_step(&column).filter(|found| !is_multiple(*found, step)) {
+                    Some(found) => format!("steps of {found:.6}"),
+                    None => continue,
+                },
+            };
+            let message = format!(
+                "`{name}`: expected numbers from {low} to {high} in steps of {step:.6}, as the calibration file states, found {found}"
+            );
+            let hint = "name the calibration of this robot at the time of the recording, or state the unit with `--units` \
+                        (`deg` where the data set is in degrees)";
+            return Err(Error::file(path, message, hint));
+        }
+        Ok(())
+    }
+
     /// The columns that channels without a column are named after.
     fn wanted(&self) -> Vec<usize> {
         let is = |name: &str| {
@@ -131,6 +169,12 @@ impl Unstated {
             |name: &String| is(name) || name.strip_prefix(ACTION).is_some_and(|joint| is(&format!("action_{joint}")));
         self.names.iter().enumerate().filter(|(_, name)| bare(name)).map(|(i, _)| i).collect()
     }
+}
+
+/// Whether the smallest step seen is so many of an encoder's: few readings need not show the next count.
+fn is_multiple(found: f64, step: f64) -> bool {
+    let times = (found / step).round().max(1.0);
+    (found / (times * step) - 1.0).abs() < NEAR
 }
 
 #[cfg(test)]
@@ -165,5 +209,28 @@ mod tests {
     fn a_plain_number_has_the_unit_of_its_mapping() {
         assert_eq!(read("1", &[("q1_deg", "a0")]).unwrap(), [std::f64::consts::PI]);
         assert_eq!(read("1", &[("q1_rad", "a0")]).unwrap(), [180.0]);
+    }
+
+    /// Readings of `a0`, an encoder's of so many units a count, under a calibration file that states 200 units over 2000 counts.
+    fn calibrated(step: f64, middle: f64) -> Result<Recording> {
+        let calibrated = Some(Calibrated { counts: 2000.0, within: (-100.0, 100.0), step: 0.1 });
+        let rule = UnitRule { name: "a0".into(), factor: 0.9, unit: "deg".into(), calibrated };
+        let other = UnitRule { name: "a1".into(), ..rule.clone() };
+        let columns = vec![("q1_rad".into(), "a0".into())];
+        let options = ReadOptions { columns, units: vec![rule, other], ..ReadOptions::default() };
+        let unstated = Unstated::of("t_s", &["a0".to_owned()], &options)?;
+        let values: Vec<f64> = (0..200).map(|i| middle + step * f64::from((i * i * 7 + i * 3) % 311 - 155)).collect();
+        unstated.recording(Path::new("a"), (0..200).map(f64::from).collect(), values)
+    }
+
+    #[test]
+    fn a_calibration_file_states_units_and_is_held_against_the_numbers() {
+        let first = calibrated(0.1, 10.0).unwrap().observation.row(0)[0];
+        assert!((first - (10.0 - 15.5) * 0.9f64.to_radians()).abs() < 1e-12, "{first}");
+        let refused = |step: f64, middle: f64| calibrated(step, middle).unwrap_err().to_string();
+        let degrees = refused(360.0 / 4096.0, 0.0);
+        assert!(degrees.contains("in steps of 0.100000") && degrees.contains("found steps of 0.0878"), "{degrees}");
+        assert!(refused(0.1, 120.0).contains("`a0`: expected numbers from -100 to 100"));
+        assert!(calibrated(0.2, 0.0).is_ok(), "every other count");
     }
 }

@@ -36,6 +36,9 @@ pub struct Numbers {
     /// Units of columns whose file states none, such as `elbow=deg` or `wrist=1.0122deg`; `inspect` proposes them
     #[arg(long, value_name = "COLUMN=UNIT,…", value_parser = UnitRule::parse, value_delimiter = ',')]
     pub units: Vec<UnitRule>,
+    /// Calibration file of LeRobot, which states the units of joints that a data set normalises to -100..100
+    #[arg(long, value_name = "FILE.json")]
+    pub calibration: Option<PathBuf>,
     /// Rows per second of a file without a time base
     #[arg(long = "rate", value_name = "HZ", value_parser = track::positive)]
     pub rate_hz: Option<f64>,
@@ -52,6 +55,7 @@ impl Numbers {
             (self.topic.is_some(), "--topic"),
             (!self.definitions.is_empty(), "--msg"),
             (!self.units.is_empty(), "--units"),
+            (self.calibration.is_some(), "--calibration"),
             (self.rate_hz.is_some(), "--rate"),
             (self.skip_broken, "--skip-broken"),
         ];

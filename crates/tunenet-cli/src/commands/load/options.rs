@@ -3,21 +3,24 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_formats::{ReadOptions, read_text};
+use tunenet_formats::{ReadOptions, read_calibration, read_text};
 
 use crate::args::Numbers;
 
 /// The command line's say in how files are read.
 ///
 /// # Errors
-/// Where the definition of a message cannot be read.
+/// Where the definition of a message or a calibration file cannot be read.
 pub fn reading(reading: &Numbers) -> Result<ReadOptions> {
+    let mut units = reading.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
+    // The last rule about a column counts: what is typed is more than what a file says.
+    units.extend(reading.units.iter().cloned());
     Ok(ReadOptions {
         columns: reading.columns.clone(),
         topic: reading.topic.clone(),
         skip_broken: reading.skip_broken,
         definitions: reading.definitions.iter().map(|path| definition(path)).collect::<Result<_>>()?,
-        units: reading.units.clone(),
+        units,
         rate_hz: reading.rate_hz,
         ..ReadOptions::default()
     })
