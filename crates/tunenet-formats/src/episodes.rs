@@ -48,7 +48,7 @@ pub struct EpisodeLength {
 }
 
 /// A column of numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeColumn {
     /// Its name: `elbow`, or `action.elbow` for the joint's command.
     pub name: String,
@@ -58,6 +58,8 @@ pub struct EpisodeColumn {
     pub proposed: Option<String>,
     /// What that is concluded from.
     pub why: String,
+    /// The least and the greatest of its numbers, as the file has them; `None` where there are none.
+    pub range: Option<(f64, f64)>,
 }
 
 #[cfg(feature = "logs")]
@@ -78,7 +80,11 @@ impl EpisodeColumn {
             }
             None => found.why,
         };
-        Self { name: name.to_owned(), unit, proposed: found.unit, why }
+        let finite = || readings.iter().copied().filter(|v| v.is_finite());
+        let range = finite()
+            .next()
+            .map(|first| finite().fold((first, first), |(low, high): (f64, f64), v| (low.min(v), high.max(v))));
+        Self { name: name.to_owned(), unit, proposed: found.unit, why, range }
     }
 }
 

@@ -253,6 +253,9 @@ pub struct Init {
     /// Of a robot: a LeRobot data set or another recording in episodes; the file then has the joints that are in it
     #[arg(long, value_name = "FOLDER", requires = "urdf")]
     pub from: Option<PathBuf>,
+    /// Calibration file of LeRobot, which states the units of the joints of `--from`
+    #[arg(long, value_name = "FILE.json", requires = "from")]
+    pub calibration: Option<PathBuf>,
     /// Joints of the model whose columns of `--from` have other names
     #[arg(long, value_name = "JOINT=COLUMN,…", value_parser = pair, value_delimiter = ',', requires = "from")]
     pub joints: Vec<(String, String)>,

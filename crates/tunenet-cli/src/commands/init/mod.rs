@@ -1,6 +1,7 @@
 //! `tunenet init`.
 
 mod columns;
+mod limits;
 mod robot;
 
 use std::path::Path;

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_core::observation::Note;
-use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, shell_word};
+use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration, shell_word};
 use tunenet_sim::arm::{Model, model_file};
 use tunenet_sim::robot::stated_motors;
 use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel, robot_template};
 
 use super::columns::{columns, held};
+use super::limits::by_limits;
 use crate::args::Init;
 use crate::files::names::in_one_folder;
 
@@ -31,10 +32,10 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         RobotStart { motors: robot.as_ref().map(stated_motors).unwrap_or_default(), ..RobotStart::default() };
     let (mut recording, mut notes) = (None, Vec::new());
     if let Some(from) = &options.from {
-        let found = episodes(from)?;
+        let found = episodes(from, options)?;
         let columns = columns(options, &model, &found)?;
         notes.extend(held(&model, &columns));
-        recording = Some(flags(from, &model, &found, &columns));
+        recording = Some(flags(from, options, &model, (&found, &columns)));
         start.columns = Some(columns);
         start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
     }
@@ -50,8 +51,9 @@ fn seen_from(out: &Path, model: &Path) -> Result<PathBuf> {
     })
 }
 
-fn episodes(from: &Path) -> Result<Episodes> {
-    match contents_with(from, &ReadOptions::default())? {
+fn episodes(from: &Path, options: &Init) -> Result<Episodes> {
+    let units = options.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
+    match contents_with(from, &ReadOptions { units, ..ReadOptions::default() })? {
         Contents::Episodes(found) => Ok(found),
         Contents::Table(_) | Contents::Log(_) => {
             let message = "expected a recording in episodes (LeRobot, HDF5), found another one";
@@ -63,7 +65,7 @@ fn episodes(from: &Path) -> Result<Episodes> {
 }
 
 /// The recording as an argument, with what it has to be read with. Units are proposed, never taken as known.
-fn flags(from: &Path, model: &Model, found: &Episodes, columns: &[JointColumns]) -> String {
+fn flags(from: &Path, options: &Init, model: &Model, (found, columns): (&Episodes, &[JointColumns])) -> String {
     let mut words = vec![shell_word(&from.to_string_lossy())];
     let joints = model.joints();
     let mapped = columns.iter().filter_map(|columns| {
@@ -79,10 +81,16 @@ fn flags(from: &Path, model: &Model, found: &Episodes, columns: &[JointColumns])
         let column = found.columns.iter().find(|column| column.name == columns.state);
         column.is_some_and(|column| column.unit.is_none())
     };
-    // A column whose numbers suggest nothing gets a place to fill in.
+    if let Some(file) = &options.calibration {
+        words.extend(["--calibration".into(), shell_word(&file.to_string_lossy())]);
+    }
+    // A column whose numbers suggest nothing, nor the limits of its joint, gets a place to fill in.
     let unit = |columns: &JointColumns| {
-        let of = |name: &str| found.columns.iter().find(|column| column.name == name)?.proposed.clone();
-        format!("{}={}", columns.state, of(&columns.state).unwrap_or_else(|| "UNIT".into()))
+        let column = found.columns.iter().find(|column| column.name == columns.state);
+        let limits = joints.iter().find(|joint| joint.name == columns.joint).map(|joint| &joint.limits);
+        let left = || by_limits(column?.range?, limits.map(|limits| (limits.lower, limits.upper))?);
+        let proposed = column.and_then(|column| column.proposed.clone()).or_else(left);
+        format!("{}={}", columns.state, proposed.unwrap_or_else(|| "UNIT".into()))
     };
     let units: Vec<String> = columns.iter().filter(open).map(unit).collect();
     if !units.is_empty() {
