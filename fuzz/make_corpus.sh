@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 tool=$PWD/${CARGO_TARGET_DIR:-target}/debug/tunenet
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,hdf5,npz,simulation,task,model,robot}
+rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,calibration,hdf5,npz,simulation,task,model,robot}
 seed() { # TARGET NAME [FIRST-BYTE]: what comes in, behind the byte that says how it is read
     { [[ -z ${3-} ]] || printf '%b' "$3"; cat; } > "fuzz/corpus/$1/$2"
 }
@@ -26,6 +26,8 @@ printf 't_s,u_px,v_px\n0,10,20\n.033,10,25\n.066,10,33\n' | seed csv pixels '\x0
 for name in ball ball_easy ball_hard table_tennis arm; do bare "assets/$name.toml" | seed simulation "$name"; done
 { bare assets/ball.toml; printf '\0effects.quadratic_drag.c_1_m=0.13'; } | seed simulation set
 "$tool" init ball --out "$folder/all.toml" 2> /dev/null && sed 's/^# *\([a-z_0-9]* = \|\[\)/\1/' "$folder/all.toml" > "$folder/keys.toml" && bare "$folder/keys.toml" | seed simulation all_keys
+printf '{"elbow": {"id": 1, "drive_mode": 0, "homing_offset": -12, "range_min": 1000, "range_max": 3048}}' | seed calibration joints
+printf '{"motor_names": ["a", "b"], "calib_mode": ["DEGREE", "LINEAR"], "start_pos": [1, 2], "end_pos": [3, 40]}' | seed calibration lists
 seed task shot < assets/shot.toml
 sed 's/^radius_m.*/&\nrim_radius_m = 0.002\ntilt_about_x_rad = 0.1\ntilt_about_y_rad = 0/;
     s/^heights_m.*/&\nposition_sd_m = 0.001\nvelocity_sd_m_s = 0.01/; s/^link.*/&\ngrip_m = [0, 0, 0.1]\nbase_rpy_rad = [0, 0, 1]/' \

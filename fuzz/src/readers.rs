@@ -12,7 +12,7 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Scale;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::pictures::pictures;
-use tunenet_formats::{ReadOptions, UnitRule, contents_with, read};
+use tunenet_formats::{ReadOptions, UnitRule, contents_with, read, read_calibration};
 use tunenet_formats::{model_from_bytes, model_to_bytes};
 use tunenet_sim::shot::Task;
 use tunenet_sim::{Session, SimulationFile, simulator};
@@ -195,6 +195,16 @@ pub fn npz(bytes: &[u8]) {
         if let Ok(found) = read(&path, &ReadOptions { columns, ..ReadOptions::default() }) {
             sound(&found.observation);
         }
+    }
+}
+
+/// A calibration file of LeRobot: what it states is the unit of a joint.
+pub fn calibration(bytes: &[u8]) {
+    if let Ok(rules) = read_calibration(file("a.json", bytes)) {
+        assert!(
+            rules.iter().all(|rule| rule.factor.is_finite() && rule.factor > 0.0),
+            "a factor that is none was read"
+        );
     }
 }
 

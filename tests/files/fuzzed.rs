@@ -81,6 +81,7 @@ fn no_reader_panics_or_takes_memory_out_of_proportion() {
     holds("bag", readers::bag);
     holds("parquet", readers::parquet);
     holds("lerobot", readers::lerobot);
+    holds("calibration", readers::calibration);
     holds("hdf5", readers::hdf5);
     holds("npz", readers::npz);
     holds("simulation", readers::simulation);
