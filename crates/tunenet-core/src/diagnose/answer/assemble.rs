@@ -149,7 +149,9 @@ fn next_within(judged: &Judgement, context: &Context) -> Result<Option<NextExper
 
 /// Which settings to check where an effect is excluded by what they say, and explains more than the answer.
 fn check_settings(judged: &Judgement) -> Option<String> {
-    let Some(Doubt::ExcludedExplainsMore(rival)) = &judged.decision.doubt else { return None };
+    let Some(Doubt::ExcludedExplainsMore(rival) | Doubt::UnphysicalAlone(rival)) = &judged.decision.doubt else {
+        return None;
+    };
     (!rival.rests_on.is_empty()).then(|| {
         let settings = rival.rests_on.join(" and ");
         format!("check {settings} in the simulation file: one of them is wrong if {} is the answer", rival.effect)

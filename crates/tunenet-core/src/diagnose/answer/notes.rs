@@ -9,6 +9,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, implausible_reason, out_of_range};
 use crate::diagnose::hypothesis::wording::words;
+use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::estimate::UNINFORMATIVE_SHARE;
 use crate::findings;
 use crate::observation::{Note, three_digits, with_decimals};
@@ -90,6 +91,9 @@ fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {
         let text = format!("`{}` explains more than the answer, but {rival}", rival.effect);
         said.push(&rival.effect);
         notes.push(Note::new(findings::EFFECT_EXCLUDED, text, remedy(rival)));
+    }
+    if let Some(Doubt::UnphysicalAlone(own)) = &judged.decision.doubt {
+        notes.push(Note::new(findings::EFFECT_OUT_OF_RANGE, format!("{own}, where it is fitted alone"), remedy(own)));
     }
     let several = context.subjects.len() > 1;
     for position in (0..judged.last().structure.effects.len()).filter(|_| several) {

@@ -5,9 +5,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
-use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
+use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, is_required};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
 use crate::estimate::huber::huber_cost;
@@ -63,6 +63,8 @@ pub enum Doubt {
     HeldOutUnexplained,
     /// Another effect explains far more, with a coefficient that is not physical.
     ExcludedExplainsMore(OutOfRange),
+    /// One of several effects has a coefficient that is not physical, which only the freedom of the others makes admissible.
+    UnphysicalAlone(OutOfRange),
     /// Every recording by itself is explained as well by these effects, whose size then differs between recordings; by none, where
     /// it is enough that parameters differ.
     DiffersBetweenRecordings(Vec<Text>),
@@ -106,6 +108,7 @@ impl fmt::Display for Doubt {
             }
             Self::HeldOutUnexplained => "held-out recordings leave more than those that were fitted",
             Self::ExcludedExplainsMore(other) => return write!(f, "{} explains more, but {other}", other.effect),
+            Self::UnphysicalAlone(own) => return write!(f, "{own}, where it is fitted alone"),
             Self::DiffersBetweenRecordings(effects) if effects.is_empty() => {
                 "parameters that differ between recordings explain as much"
             }
@@ -157,6 +160,9 @@ pub(in crate::diagnose) fn validation_doubt(
     if let Some(rival) = found.places.iter().find_map(|place| place.excluded.clone()) {
         return Some(Doubt::ExcludedExplainsMore(rival));
     }
+    if let Some(own) = unphysical_alone(found, best) {
+        return Some(Doubt::UnphysicalAlone(own));
+    }
     if practical {
         return Some(Doubt::DiscrepancyRemains);
     }
@@ -185,6 +191,20 @@ pub(in crate::diagnose) fn validation_doubt(
         others.iter().map(share).fold(f64::INFINITY, f64::min)
     };
     forecast_doubt((before?, after?), fitted, share, context.sets().len())
+}
+
+/// An effect that was excluded alone for its coefficient, which next to others still lies outside its physical bounds and is
+/// admitted only because it is less certain there.
+fn unphysical_alone(found: &Selection, best: &Hypothesis) -> Option<OutOfRange> {
+    let excluded = |place: &SelectedEffect| {
+        let trial = found.alone.iter().find(|trial| trial.entry == place.entry)?;
+        let Some(Exclusion::Implausible(own)) = &trial.excluded else { return None };
+        let (low, high) = own.physical?;
+        let mut globals = best.structure.globals.iter().zip(&best.fit.point.parameters);
+        let (_, value) = globals.find(|(global, _)| global.parameter.name == own.coefficient)?;
+        (*value < low || *value > high).then(|| own.clone())
+    };
+    found.places.iter().filter(|_| found.places.len() > 1).find_map(excluded)
 }
 
 /// Of things that are not expected to be explained down to their noise: whether recordings of other setups leave far more.
@@ -288,6 +308,34 @@ mod tests {
             let after = validate(context, &more).unwrap().unwrap();
             found.best = Some(more);
             assert_eq!(unconfirmed(context, &found, &before, &after), Some(Doubt::Weak("rest_angle".into())));
+        });
+    }
+
+    #[test]
+    fn what_is_unphysical_alone_is_admitted_next_to_others_with_a_doubt() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let mut found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
+            let both = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));
+            let best = context.fit_near(&both, found.best.as_ref().unwrap()).unwrap();
+            found.places.push(SelectedEffect { entry: both[1], ..found.places[0].clone() });
+            assert_eq!(unphysical_alone(&found, &best), None);
+            let own = OutOfRange {
+                effect: "viscous_friction".into(),
+                object: 0,
+                coefficient: best.structure.globals[best.structure.of_effect(0)[0]].parameter.name.clone(),
+                value: 0.15,
+                unit: "1/s".into(),
+                physical: Some((0.5, 1.0)),
+                rests_on: vec!["bob.mass_kg".into()],
+            };
+            let trial = found.alone.iter_mut().find(|trial| trial.entry == both[0]).unwrap();
+            trial.excluded = Some(Exclusion::Implausible(own.clone()));
+            assert_eq!(unphysical_alone(&found, &best), Some(own.clone()));
+            assert!(
+                Doubt::UnphysicalAlone(own).to_string().ends_with("outside 0.500 to 1.00, where it is fitted alone")
+            );
+            found.places.pop();
+            assert_eq!(unphysical_alone(&found, &best), None, "alone it is excluded as it is");
         });
     }
 
