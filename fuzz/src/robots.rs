@@ -59,5 +59,5 @@ pub fn robot(bytes: &[u8]) {
     if let Err(error) = Model::parse_alone(path, &edited.files[0].text) {
         panic!("an edited model is no model: {error}\n{}", edited.files[0].text);
     }
-    let _ = (sidecar(path, &edited.left, &[]), ranges("a.xml", &changes), isaac_lab(&changes, 0.005));
+    let _ = (sidecar(path, &edited.left, &[]), ranges("a.xml", &changes), isaac_lab(&changes, &[], 0.005));
 }

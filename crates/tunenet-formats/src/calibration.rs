@@ -80,7 +80,7 @@ fn by_lists(value: &Value) -> std::result::Result<Vec<UnitRule>, String> {
 /// The rule of a joint whose numbers go over `within` from one count to another.
 fn rule(name: &str, low: f64, high: f64, within: (f64, f64)) -> std::result::Result<UnitRule, String> {
     let counts = high - low;
-    if !(counts >= 1.0 && counts <= MOST_TURNS * COUNTS) {
+    if !(1.0..=MOST_TURNS * COUNTS).contains(&counts) {
         return Err(format!("`{name}`: expected counts from a lower to a higher one, found {low} to {high}"));
     }
     let step = (within.1 - within.0) / counts;

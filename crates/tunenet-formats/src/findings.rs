@@ -78,6 +78,9 @@ finding_kinds! {
     warning ACTIONS_OTHER = "actions.other",
         "actions are as wide as the joints, and are no joint angles",
         "do not drive joints with them; record the joint targets";
+    warning UNITS_DISAGREE = "units.disagree",
+        "the numbers of a column do not fit the unit that is stated for it",
+        "check the unit, and whose calibration file it is";
     note GROUPS_EMPTY = "groups.empty",
         "groups without arrays were left out",
         "none needed";

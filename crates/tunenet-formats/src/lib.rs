@@ -17,7 +17,7 @@
 //! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
 //! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
 //! | `kept` | what was read last of files that have not changed |
-//! | `units`, `unstated`, `proposal`, `calibration` | units of columns whose file states none |
+//! | `units`, `unstated`, `proposal`, `calibration`, `unit_misfit` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
@@ -73,6 +73,8 @@ mod source;
 mod testing;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "logs")]
+mod unit_misfit;
 mod units;
 #[cfg(feature = "logs")]
 mod unstated;

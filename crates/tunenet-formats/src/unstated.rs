@@ -4,23 +4,18 @@ use std::path::Path;
 
 use crate::csv::columns::found;
 use crate::findings;
-use crate::proposal::{encoder_step, proposal};
+use crate::proposal::proposal;
 use crate::quantity::Quantity;
 use crate::ranges::written_out;
 use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
-use crate::units::{self, ACTION, Calibrated};
+use crate::unit_misfit::{calibration_misfit, note_misfit};
+use crate::units::{self, ACTION, UnitRule};
 use crate::{Error, Result, shell_word};
-use tunenet_core::observation::plain;
+use tunenet_core::observation::{Note, plain};
 
 /// What `--units` says of a plain number, which has the unit that `--columns` gives it.
 const PLAIN: &str = "1";
-
-/// How far a number may be beyond the ends that a calibration file states, as a share of the way between them.
-const BEYOND: f64 = 0.0025;
-
-/// How far the step of numbers may be from the one that a calibration file states, as a share of it.
-const NEAR: f64 = 0.01;
 
 /// The columns of an episode under their units.
 pub(crate) struct Unstated {
@@ -30,8 +25,8 @@ pub(crate) struct Unstated {
     /// The name of each under its unit, where that is stated, and what its numbers are multiplied with.
     headers: Vec<String>,
     factors: Vec<Option<f64>>,
-    /// What a calibration file says of the numbers of each.
-    calibrated: Vec<Option<Calibrated>>,
+    /// What states the unit of each.
+    rules: Vec<Option<UnitRule>>,
     /// How they are read: what `--columns` says of them is in their own units by now.
     options: ReadOptions,
 }
@@ -51,7 +46,7 @@ impl Unstated {
         let place = |theirs: &str| found(theirs, &all).and_then(|(column, _)| column.checked_sub(1));
         let mapped: Vec<usize> = pairs.iter().filter_map(|(_, theirs)| place(theirs)).collect();
         let named = |name: &str| options.others.iter().any(|other| other.name == name);
-        let (mut headers, mut factors, mut calibrated) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut headers, mut factors, mut rules) = (Vec::new(), Vec::new(), Vec::new());
         for (at, name) in names.iter().enumerate() {
             let rule = units::rule(&options.units, name).map(units::own);
             headers.push(match rule {
@@ -60,9 +55,7 @@ impl Unstated {
                 _ => name.clone(),
             });
             factors.push(rule.map(|(factor, _)| factor));
-            // Commands come from another arm, with a calibration of its own.
-            let state = units::rule(&options.units, name).filter(|_| !name.starts_with(ACTION));
-            calibrated.push(state.and_then(|rule| rule.calibrated.clone()));
+            rules.push(units::rule(&options.units, name).cloned());
         }
         let converted = |theirs: &str| {
             let rule = place(theirs).and_then(|at| units::rule(&options.units, &names[at]));
@@ -73,7 +66,7 @@ impl Unstated {
             (ours, theirs)
         });
         let options = ReadOptions { columns: columns.collect(), ..options.clone() };
-        Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, calibrated, options })
+        Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, rules, options })
     }
 
     /// What the columns with this clock make; `values` are their numbers as the file has them, row by row.
@@ -82,6 +75,9 @@ impl Unstated {
     /// [`Error::File`] with the flag to add where a column is asked for whose unit is not stated.
     pub fn recording(&self, path: &Path, clock: Vec<f64>, mut values: Vec<f64>) -> Result<Recording> {
         self.refuse_others(path, &values)?;
+        let misfits: Vec<Option<Note>> = (0..self.names.len())
+            .map(|at| note_misfit(&self.names[at], &self.column(at, &values), self.rules[at].as_ref()?))
+            .collect();
         let factors: Vec<(usize, f64)> = self
             .factors
             .iter()
@@ -104,10 +100,13 @@ impl Unstated {
             }
             Err(_) => self.wanted(),
         };
+        let asked_for = asked.clone();
         let unknown: Vec<usize> = asked.into_iter().filter(|column| self.factors[*column].is_none()).collect();
         let Some(first) = unknown.first() else {
             made?;
+            let used = asked_for.iter().filter_map(|column| misfits[*column].clone());
             let mut found = sheet.recording(path, &self.options)?;
+            found.notes.extend(used);
             // A robot has more joints than are simulated; `inspect` lists all of them.
             found.notes.retain(|note| note.kind != findings::COLUMNS_IGNORED);
             return Ok(found);
@@ -136,25 +135,19 @@ impl Unstated {
     /// # Errors
     /// [`Error::File`] with what is seen in place of it.
     fn refuse_others(&self, path: &Path, values: &[f64]) -> Result<()> {
-        for (at, name) in self.names.iter().enumerate() {
-            let Some(Calibrated { within: (low, high), step, .. }) = self.calibrated[at] else { continue };
-            let column: Vec<f64> = values.iter().skip(at).step_by(self.names.len()).copied().collect();
-            let slack = BEYOND * (high - low);
-            let found = match column.iter().find(|v| **v < low - slack || **v > high + slack) {
-                Some(outside) => format!("{outside}"),
-                None => match encoder_step(&column).filter(|found| !is_multiple(*found, step)) {
-                    Some(found) => format!("steps of {found:.6}"),
-                    None => continue,
-                },
-            };
-            let message = format!(
-                "`{name}`: expected numbers from {low} to {high} in steps of {step:.6}, as the calibration file states, found {found}"
-            );
+        for (at, rule) in self.rules.iter().enumerate() {
+            let Some(rule) = rule.as_ref().filter(|rule| rule.calibrated.is_some()) else { continue };
+            let Some(message) = calibration_misfit(&self.names[at], &self.column(at, values), rule) else { continue };
             let hint = "name the calibration of this robot at the time of the recording, or state the unit with `--units` \
                         (`deg` where the data set is in degrees)";
             return Err(Error::file(path, message, hint));
         }
         Ok(())
+    }
+
+    /// The numbers of a column as the file has them.
+    fn column(&self, at: usize, values: &[f64]) -> Vec<f64> {
+        values.iter().skip(at).step_by(self.names.len()).copied().collect()
     }
 
     /// The columns that channels without a column are named after.
@@ -171,16 +164,10 @@ impl Unstated {
     }
 }
 
-/// Whether the smallest step seen is so many of an encoder's: few readings need not show the next count.
-fn is_multiple(found: f64, step: f64) -> bool {
-    let times = (found / step).round().max(1.0);
-    (found / (times * step) - 1.0).abs() < NEAR
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::UnitRule;
+    use crate::units::Calibrated;
 
     /// One reading of 180 in each of the columns `a0` and `a1`, as `--units` and `--columns` say.
     fn read(units: &str, columns: &[(&str, &str)]) -> Result<Vec<f64>> {

@@ -112,7 +112,7 @@ impl Quantity {
             Self::DirectionalFriction => ("directional_friction", "N·m"),
             Self::QuadraticFriction => ("quadratic_friction", "N·m·s²/rad²"),
             Self::Compliance => ("joint_elasticity", "rad/(N·m)"),
-            Self::ZeroOffset => ("joint_offset", "rad"),
+            Self::ZeroOffset => ("encoder_offset", "rad"),
             Self::TorqueBias => ("torque_bias", "N·m"),
             Self::TorqueFactor => ("torque_gain", ""),
             Self::StallTorque => ("stall_torque", "N·m"),

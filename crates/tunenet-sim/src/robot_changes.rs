@@ -74,7 +74,8 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
                 actuator: String::new(),
                 supply_v: scene.supply_v,
                 firmware_gain: Some(scene.kp),
-                error_gain: scene.gain_1_rad,
+                // With what the effects of the gain make of it.
+                error_gain: Some(joints[place].gain * joints[place].kp / scene.kp).filter(|gain| gain.is_finite()),
             };
             found.servos.push(((*name).to_owned(), servo));
         }

@@ -256,8 +256,8 @@ pub struct Init {
     /// Calibration file of LeRobot, which states the units of the joints of `--from`
     #[arg(long, value_name = "FILE.json", requires = "from")]
     pub calibration: Option<PathBuf>,
-    /// Joints of the model whose columns of `--from` have other names
-    #[arg(long, value_name = "JOINT=COLUMN,…", value_parser = pair, value_delimiter = ',', requires = "from")]
+    /// Joints of the model whose columns of `--from` have other names; the command's column where it is not `action.COLUMN`
+    #[arg(long, value_name = "JOINT=COLUMN[:COMMAND],…", value_parser = pair, value_delimiter = ',', requires = "from")]
     pub joints: Vec<(String, String)>,
     #[command(flatten)]
     pub writing: Writing,

@@ -129,6 +129,11 @@ fn opened(path: &Path) -> Result<File> {
 
 /// What is wrong with a file that the crate refuses.
 fn broken(path: &Path, error: &hdf5_pure::Error) -> Error {
+    // A link without an address is one to a name or to another file.
+    if let hdf5_pure::Error::Format(hdf5_pure::FormatError::OffsetOverflow { offset: u64::MAX, .. }) = error {
+        let hint = "copy what it names: with h5py, `del file['LINK']`, then `file.copy('NAME', 'LINK')`";
+        return Error::file(path, "expected arrays and groups, found a soft link, which is not followed", hint);
+    }
     Error::file(path, format!("the HDF5 file is cut off, broken or not closed: {error}"), AGAIN)
 }
 

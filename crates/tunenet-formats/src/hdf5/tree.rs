@@ -208,7 +208,14 @@ fn own_arrays(path: &Path, group: &Group) -> Result<bool> {
 
 fn environment(group: &Group) -> String {
     match group.attrs().ok().and_then(|mut attributes| attributes.remove(ENVIRONMENT)) {
-        Some(AttrValue::String(text) | AttrValue::AsciiString(text)) => text,
+        Some(
+            AttrValue::String(text)
+            | AttrValue::AsciiString(text)
+            | AttrValue::VarLenString(text)
+            | AttrValue::VarLenAsciiString(text)
+            | AttrValue::StringSized { value: text, .. }
+            | AttrValue::AsciiStringSized { value: text, .. },
+        ) => text,
         Some(other) => format!("{other:?}"),
         None => String::new(),
     }

@@ -7,6 +7,7 @@ use crate::findings;
 use crate::numbered::EPISODE;
 use crate::recording::ReadOptions;
 use crate::shown::{counted, list};
+use crate::unit_misfit::note_misfit;
 use crate::units::{self, ACTION};
 use tunenet_core::observation::Note;
 
@@ -44,10 +45,12 @@ impl DataSet {
         let width = names.len().max(1);
         let readings = |column: usize| values.iter().skip(column).step_by(width).copied().collect::<Vec<f64>>();
         let column = |(i, name): (usize, &String)| EpisodeColumn::of(name, &readings(i), &options.units);
+        let misfit = |(i, name): (usize, &String)| note_misfit(name, &readings(i), units::rule(&options.units, name)?);
+        let misfits: Vec<Note> = names.iter().enumerate().filter_map(misfit).collect();
         let mut columns: Vec<EpisodeColumn> = names.iter().enumerate().map(column).collect();
         as_joints(&mut columns);
         // What is said of a joint holds for its command.
-        let own = |column: &EpisodeColumn| !command_of(&columns, column).is_some_and(|joint| joint.proposed.is_some());
+        let own = |column: &EpisodeColumn| command_of(&columns, column).is_none_or(|joint| joint.proposed.is_none());
         let suggested = columns.iter().filter(|column| column.unit.is_none() && own(column));
         let flags = suggested.filter_map(|column| Some(format!("{}={}", column.name, column.proposed.as_ref()?)));
         let units = flags.collect::<Vec<String>>().join(",");
@@ -63,7 +66,7 @@ impl DataSet {
             episodes: listed.iter().map(length).collect(),
             columns,
             units,
-            notes: self.missing().filter(|_| name.is_none()).into_iter().collect(),
+            notes: self.missing().filter(|_| name.is_none()).into_iter().chain(misfits).collect(),
         })
     }
 

@@ -155,16 +155,15 @@ impl<'a> Editor<'a> {
         }
         if element.tag == "general" {
             let Law::Affine { bias, .. } = actuator.law else { return Outcome::Left("its force is not affine".into()) };
-            let attributes = if proportional {
-                let bias = [Some(bias[0]), Some(-value), Some(bias[2])];
-                vec![
-                    ("gainprm", with(element, "gainprm", &[Some(value)])),
-                    ("biasprm", with(element, "biasprm", &bias)),
-                ]
-            } else {
-                let bias = [Some(bias[0]), Some(bias[1]), Some(-value)];
-                vec![("biasprm", with(element, "biasprm", &bias))]
+            // Both gains stand in one attribute, so that each is written with the other.
+            let of = |quantity: Quantity, old: f64| {
+                self.wanted(joint, quantity).map_or(Some(old), |gain| Some(-gain / (gear * gear)))
             };
+            let bias = [Some(bias[0]), of(Quantity::PositionGain, bias[1]), of(Quantity::VelocityGain, bias[2])];
+            let mut attributes = vec![("biasprm", with(element, "biasprm", &bias))];
+            if proportional {
+                attributes.insert(0, ("gainprm", with(element, "gainprm", &[Some(value)])));
+            }
             return Outcome::Written(element, attributes);
         }
         if proportional {

@@ -5,13 +5,14 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::Whole;
 use crate::{Change, Quantity};
 
 /// A Python module with `ACTUATORS`, for the `actuators` of an `ArticulationCfg`. Joints with a command delay get a
 /// `DelayedPDActuatorCfg` of their own delay, counted in steps of `physics_step_s`; the others share an
 /// `ImplicitActuatorCfg`. What Isaac Lab does not have stands in comments.
 #[must_use]
-pub fn isaac_lab(changes: &[Change], physics_step_s: f64) -> String {
+pub fn isaac_lab(changes: &[Change], whole: &[Whole], physics_step_s: f64) -> String {
     let mut joints: BTreeMap<&str, BTreeMap<Quantity, &Change>> = BTreeMap::new();
     for change in changes {
         joints.entry(&change.joint).or_default().insert(change.quantity, change);
@@ -71,6 +72,10 @@ pub fn isaac_lab(changes: &[Change], physics_step_s: f64) -> String {
     for change in changes.iter().filter(|change| !expressed(change.quantity) && !within(change)) {
         let (name, unit) = (change.quantity.name(), change.quantity.unit());
         let _ = writeln!(text, "# not in Isaac Lab: {name} of {} = {:?} {unit}", python(&change.joint), change.value);
+    }
+    for effect in whole {
+        let numbers: Vec<String> = effect.numbers.iter().map(|one| format!("{} = {:?}", one.key, one.value)).collect();
+        let _ = writeln!(text, "# not in Isaac Lab: {} of the robot, {}", effect.effect, numbers.join(", "));
     }
     text
 }

@@ -116,6 +116,23 @@ fn impossible_changes_are_refused_with_a_sentence() {
     assert!(edit(&model, &[Change { interval, ..change("a", Quantity::Armature, 1.0) }]).is_err());
 }
 
+/// Both gains of a general servo stand in `biasprm`: whichever comes first, both are written.
+#[test]
+fn a_general_servo_gets_both_gains() {
+    let text = "<mujoco><worldbody><body><joint name='a'/><geom size='0.1'/></body></worldbody><actuator>\
+        <general joint='a' gainprm='60' biastype='affine' biasprm='0 -60 -.5'/></actuator></mujoco>";
+    let model = Model::parse_alone(Path::new("m.xml"), text).unwrap();
+    let gains = [change("a", Quantity::PositionGain, 29.0), change("a", Quantity::VelocityGain, 0.25)];
+    let turned = [gains[1].clone(), gains[0].clone()];
+    for changes in [&gains, &turned] {
+        let edited = edit(&model, changes).unwrap();
+        let expected = text.replace("'60'", "'29'").replace("'0 -60 -.5'", "'0 -29 -0.25'");
+        assert_eq!(edited.files[0].text, expected);
+    }
+    let alone = edit(&model, &gains[1..]).unwrap();
+    assert_eq!(alone.files[0].text, text.replace("-.5", "-0.25"));
+}
+
 /// Gains and limits are those of the joint, whichever gear the actuator has, gets, or gets with them.
 #[test]
 fn a_new_gear_counts_for_the_gains_that_come_with_it() {

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use tunenet_models::export::isaac_lab;
+use tunenet_models::export::{Whole, WholeNumber, isaac_lab};
 use tunenet_models::{Change, Quantity};
 
 /// Stand-ins for Isaac Lab, which needs a GPU: they keep what they are given, and patterns must fit one name each.
@@ -44,8 +44,11 @@ fn isaac_lab_gets_the_numbers() {
         change("a\"b\\", Quantity::BackEmf, 0.5, None),
         change("arm.1", Quantity::DeadBand, 0.01, None),
     ];
-    let text = isaac_lab(&changes, 0.005);
+    let delay = WholeNumber { key: "s".into(), value: 0.02 };
+    let whole = [Whole { effect: "time_delay".into(), numbers: vec![delay], why: String::new() }];
+    let text = isaac_lab(&changes, &whole, 0.005);
     assert!(text.contains("# not in Isaac Lab: dead_band of \"arm.1\" = 0.01 rad"), "{text}");
+    assert!(text.ends_with("# not in Isaac Lab: time_delay of the robot, s = 0.02\n"), "{text}");
     let mut python = match Command::new("python3")
         .args(["-c", STUB])
         .stdin(std::process::Stdio::piped())

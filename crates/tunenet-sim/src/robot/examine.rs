@@ -13,7 +13,7 @@ use super::layout::{Layout, Reading};
 use super::trajectory::Quantity;
 use crate::findings;
 
-/// A single sample this far from the median of the seven around it is a jump of the reading, rad or m: no joint moves so for 10 ms alone.
+/// A sample this much farther from the median of the seven around it than the motion there explains is a jump of the reading, rad or m.
 const JUMP: f64 = 0.25;
 const WINDOW: usize = 7;
 /// The first samples whose median is the start.
@@ -43,7 +43,11 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
     let mut checks = Vec::new();
     let (seen, jumps) = without_jumps(layout, &prepared.seen)?;
     if jumps > 0 {
-        let text = format!("{jumps} samples jump by more than {JUMP} from their neighbours and are left out");
+        let what = if jumps == 1 { "1 sample jumps".into() } else { format!("{jumps} samples jump") };
+        let text = format!(
+            "{what} by more than {JUMP} rad or m from the others near it, and {} left out",
+            if jumps == 1 { "is" } else { "are" }
+        );
         checks.push(noticed(Note::new(
             findings::ROBOT_JUMPS,
             text,
@@ -88,11 +92,7 @@ fn without_jumps(layout: &Layout, seen: &Observation) -> Result<(Observation, us
     let mut kept = vec![true; seen.len()];
     for (channel, _) in layout.readings.iter().enumerate().filter(|(_, one)| one.quantity == Quantity::Position) {
         let values: Vec<f64> = seen.column(channel).collect();
-        for (i, value) in values.iter().enumerate() {
-            let first = i.saturating_sub(WINDOW / 2).min(values.len().saturating_sub(WINDOW));
-            let near = values[first..(first + WINDOW).min(values.len())].iter().copied();
-            kept[i] &= median(near).is_none_or(|middle| (value - middle).abs() <= JUMP);
-        }
+        kept.iter_mut().zip(within_motion(&values)).for_each(|(kept, within)| *kept &= within);
     }
     let jumps = kept.iter().filter(|kept| !**kept).count();
     if jumps == 0 {
@@ -104,6 +104,19 @@ fn without_jumps(layout: &Layout, seen: &Observation) -> Result<(Observation, us
     let cut = Observation::new(seen.kind(), seen.channels().to_vec(), clock, values)?;
     let circumstances = seen.circumstances().map(|known| Circumstances::clone(known));
     Ok((circumstances.map_or(cut.clone(), |known| cut.under(known)), jumps))
+}
+
+/// For each value whether it is as near to the others around it as they move.
+fn within_motion(values: &[f64]) -> Vec<bool> {
+    let within = |(i, value): (usize, &f64)| {
+        let first = i.saturating_sub(WINDOW / 2).min(values.len().saturating_sub(WINDOW));
+        let near = &values[first..(first + WINDOW).min(values.len())];
+        // What moves fast is far from the middle of its window at the ends of the record and where it turns back.
+        let moves = median(near.windows(2).map(|two| (two[1] - two[0]).abs())).unwrap_or(0.0);
+        let most = JUMP + WINDOW as f64 / 2.0 * moves;
+        median(near.iter().copied()).is_none_or(|middle| (value - middle).abs() <= most)
+    };
+    values.iter().enumerate().map(within).collect()
 }
 
 /// The step of an encoder, 0 where the values show none.
@@ -241,4 +254,22 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
         step += 1.0;
     }
     (best.1 < CLEARER * now).then_some(best.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_glitch_jumps_and_a_fast_motion_does_not() {
+        // 9 rad/s at 50 Hz, back and forth.
+        let fast: Vec<f64> = (0..60i32).map(|i| 0.18 * f64::from((i % 20 - 10).abs())).collect();
+        assert!(within_motion(&fast).iter().all(|within| *within));
+        for at in [0, 7, 59] {
+            let mut glitch: Vec<f64> = (0..60).map(|i| 0.02 * f64::from(i)).collect();
+            glitch[at] += 0.5;
+            let found = within_motion(&glitch);
+            assert!((0..60).all(|i| found[i] == (i != at)), "{at}: {found:?}");
+        }
+    }
 }

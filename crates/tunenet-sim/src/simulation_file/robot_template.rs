@@ -4,7 +4,7 @@ use tunenet_core::observation::{Channel, plain};
 
 use super::domain::Domain;
 use super::robot_schema::{BETWEEN, SAMPLES};
-use super::schema::is_name;
+use super::schema::{Definition, is_name};
 use super::template::{keys, line, parameter};
 use crate::arm::{Joint, JointKind, Model};
 use crate::robot::{Drive, StatedMotor};
@@ -79,18 +79,34 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
                 continue;
             }
             let effort = Some(joint.limits.effort).filter(|effort| effort.is_finite());
-            let mut default = value(number, known.default, motor, effort);
-            if number == "zero" && start.columns.is_some() {
-                default = [0.0, -ZERO_OF_A_LOG, ZERO_OF_A_LOG];
+            let mut default = value(number, known.default, motor, (joint, effort));
+            match number {
+                "zero" if start.columns.is_some() => default = [0.0, -ZERO_OF_A_LOG, ZERO_OF_A_LOG],
+                // Such a log shows both brakings as one, which is tuned as `viscous`.
+                "back_emf" if start.columns.is_some() => default[0] = 0.0,
+                _ => {}
             }
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some();
             let held = (number == "back_emf" && together) || (number == "stall_torque" && one_gain);
             let tune = known.tune && !held;
-            parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), known);
+            let own = Definition { unit: unit_of(joint, known.unit), ..*known };
+            parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), &own);
         }
     }
     text
+}
+
+/// The unit of a hinge's number for this joint.
+fn unit_of(joint: &Joint, of_a_hinge: &'static str) -> &'static str {
+    match of_a_hinge {
+        unit if joint.kind != JointKind::Prismatic => unit,
+        "N·m" => "N",
+        "N·m·s/rad" => "N·s/m",
+        "kg·m²" => "kg",
+        "rad" => "m",
+        unit => unit,
+    }
 }
 
 /// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
@@ -165,9 +181,15 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
 }
 
 /// Value, least and greatest value of a parameter to start from.
-fn value(number: &str, default: [f64; 3], motor: Option<&StatedMotor>, effort: Option<f64>) -> [f64; 3] {
+fn value(
+    number: &str,
+    default: [f64; 3],
+    motor: Option<&StatedMotor>,
+    (joint, effort): (&Joint, Option<f64>),
+) -> [f64; 3] {
     let around = |value: f64, least: f64, greatest: f64| [value, least, (10.0 * value).max(greatest)];
     let stated = |of: fn(&StatedMotor) -> f64| motor.map(of).filter(|value| *value > 0.0);
+    let of_joint = |value: f64| Some(value).filter(|value| *value > 0.0);
     let greatest = default[2];
     let found = match number {
         "stall_torque" => {
@@ -175,9 +197,15 @@ fn value(number: &str, default: [f64; 3], motor: Option<&StatedMotor>, effort: O
         }
         // It is in the damping of the model.
         "back_emf" => motor.map(|_| [0.0, 0.0, greatest]),
-        "viscous" => stated(|motor| motor.damping).map(|value| around(value, 0.0, greatest)),
-        "coulomb" => stated(|motor| motor.friction).map(|value| around(value, 0.0, greatest)),
-        "armature" => stated(|motor| motor.armature).map(|value| around(value, value / 10.0, greatest)),
+        "viscous" => {
+            stated(|motor| motor.damping).or(of_joint(joint.damping)).map(|value| around(value, 0.0, greatest))
+        }
+        "coulomb" => {
+            stated(|motor| motor.friction).or(of_joint(joint.friction)).map(|value| around(value, 0.0, greatest))
+        }
+        "armature" => stated(|motor| motor.armature)
+            .or(of_joint(joint.armature))
+            .map(|value| around(value, value / 10.0, greatest)),
         _ => None,
     };
     found.unwrap_or(default)

@@ -289,7 +289,7 @@ pub(super) fn parameter(
             other => value_of(key.shape, other),
         };
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:<16}# {}", format!("{} = {value}", key.path), key.meaning);
+        let _ = writeln!(text, "{:<15} # {}", format!("{} = {value}", key.path), key.meaning);
     }
 }
 

@@ -32,7 +32,7 @@ fn a_plain_file_is_read() {
 #[test]
 fn what_no_arm_can_be_is_refused() {
     let cases = [
-        ("", "", "expected a URDF with <robot>, found none"),
+        ("", "", "expected a model with <robot> (URDF) or <mujoco> (MJCF), found neither"),
         ("<mass value=\"2\"/>", "<mass value=\"-2\"/>", "link `upper`: expected a mass of 0 kg or more, found -2 kg"),
         ("<mass value=\"2\"/>", "<mass value=\"NaN\"/>", "link `upper`: expected finite numbers, found NaN"),
         ("ixx=\"0.1\"", "ixx=\"-0.1\"", "link `upper`: expected inertia above 0 about every axis"),

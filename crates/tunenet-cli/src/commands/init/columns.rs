@@ -31,16 +31,23 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
             let names = listed(joints.iter().map(|joint| joint.name.as_str()));
             return refuse(format!("a joint of the model ({names})"), format!("`{}`", visible(joint)));
         }
-        if !there(column) {
+        let (state, command) = column.split_once(':').unwrap_or((column, column));
+        if !there(state) || !there(command) {
             let names = listed(found.columns.iter().map(|column| column.name.as_str()));
-            return refuse(format!("a column of the recording ({names})"), format!("`{}`", visible(column)));
+            return refuse(
+                format!("a column of the recording ({names})"),
+                format!("`{}`", visible(if there(state) { command } else { state })),
+            );
         }
     }
     let one = |joint: &&Joint| {
         let mapped = options.joints.iter().find(|(name, _)| *name == joint.name).map(|(_, column)| column.clone());
         let same = |name: &str| name == joint.name || plain(name) == plain(&joint.name);
         let state = mapped.or_else(|| found.columns.iter().map(|c| c.name.clone()).find(|name| same(name)))?;
-        let command = format!("{ACTION}{state}");
+        let (state, command) = match state.split_once(':') {
+            Some((state, command)) => (state.to_owned(), command.to_owned()),
+            None => (state.clone(), format!("{ACTION}{state}")),
+        };
         there(&command).then(|| JointColumns { joint: joint.name.clone(), state, command })
     };
     let all: Vec<JointColumns> = joints.iter().filter_map(one).collect();
@@ -48,7 +55,9 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
         let names = listed(joints.iter().map(|joint| joint.name.as_str()));
         let columns = listed(found.columns.iter().map(|column| column.name.as_str()));
         return refuse(
-            format!("which column is which joint of the model ({names}), each with its command `{ACTION}COLUMN`"),
+            format!(
+                "which column is which joint of the model ({names}), each with its command `{ACTION}COLUMN` or as JOINT=COLUMN:COMMAND"
+            ),
             format!("no names in common with the columns {columns}"),
         );
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration, shell_word};
-use tunenet_sim::arm::{Model, model_file};
+use tunenet_sim::arm::{JointKind, Model, model_file};
 use tunenet_sim::robot::stated_motors;
 use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel, robot_template};
 
@@ -87,9 +87,12 @@ fn flags(from: &Path, options: &Init, model: &Model, (found, columns): (&Episode
     // A column whose numbers suggest nothing, nor the limits of its joint, gets a place to fill in.
     let unit = |columns: &JointColumns| {
         let column = found.columns.iter().find(|column| column.name == columns.state);
-        let limits = joints.iter().find(|joint| joint.name == columns.joint).map(|joint| &joint.limits);
-        let left = || by_limits(column?.range?, limits.map(|limits| (limits.lower, limits.upper))?);
-        let proposed = column.and_then(|column| column.proposed.clone()).or_else(left);
+        let joint = joints.iter().find(|joint| joint.name == columns.joint);
+        let turns = joint.is_none_or(|joint| joint.kind != JointKind::Prismatic);
+        let left = || by_limits(column?.range?, joint.map(|joint| (joint.limits.lower, joint.limits.upper))?, turns);
+        // The step of a slide's numbers says nothing of angles.
+        let by_step = column.filter(|_| turns).and_then(|column| column.proposed.clone());
+        let proposed = by_step.or_else(left);
         format!("{}={}", columns.state, proposed.unwrap_or_else(|| "UNIT".into()))
     };
     let units: Vec<String> = columns.iter().filter(open).map(unit).collect();

@@ -30,11 +30,14 @@ pub fn write(options: &Models, file: &SimulationFile, intervals: Intervals) -> R
     }
     if let Some(out) = &options.out_bam {
         let actuator = options.bam_actuator.clone().unwrap_or_default();
-        put(out, &format!("{:#}\n", of_servos(&found, &actuator)))?;
-        stage("bam", &shown_path(out));
+        let (text, left) = of_servos(&found, &actuator);
+        put(out, &format!("{text:#}\n"))?;
+        let rest = listed(&left, &found.whole);
+        let rest = if rest.is_empty() { rest } else { format!(": BAM cannot express {rest}") };
+        stage("bam", &format!("{}{rest}", shown_path(out)));
     }
     if let Some(out) = &options.out_isaac {
-        put(out, &isaac_lab(&of_model(&found), options.isaac_step))?;
+        put(out, &isaac_lab(&of_model(&found), &found.whole, options.isaac_step))?;
         stage("isaac", &shown_path(out));
     }
     Ok(())
@@ -83,19 +86,23 @@ fn listed(left: &[Left], whole: &[Whole]) -> String {
     of_joints.chain(whole.iter().map(|one| one.effect.clone())).collect::<Vec<_>>().join("; ")
 }
 
-/// The parameters of BAM: of a single servo its own object, of several one for each joint.
-fn of_servos(found: &RobotChanges, actuator: &str) -> Value {
+/// The parameters of BAM, of a single servo its own object, of several one for each joint; and what BAM does not have.
+fn of_servos(found: &RobotChanges, actuator: &str) -> (Value, Vec<Left>) {
     let one = |joint: &str, servo: &BamServo| {
-        bam(joint, &found.changes, &BamServo { actuator: actuator.to_owned(), ..servo.clone() }).json
+        bam(joint, &found.changes, &BamServo { actuator: actuator.to_owned(), ..servo.clone() })
     };
-    match found.servos.as_slice() {
-        [(joint, servo)] => one(joint, servo),
+    let all: Vec<_> = found.servos.iter().map(|(joint, servo)| (joint, one(joint, servo))).collect();
+    let text = match all.as_slice() {
+        [(_, only)] => only.json.clone(),
         several => {
-            let mut all = json!({});
-            for (joint, servo) in several {
-                all[joint.as_str()] = one(joint, servo);
+            let mut text = json!({});
+            for (joint, bam) in several {
+                text[joint.as_str()] = bam.json.clone();
             }
-            all
+            text
         }
-    }
+    };
+    // The gain is in `error_gain`, the torque limit in the motor's own.
+    let own = |left: &Left| !matches!(left.change.quantity, Quantity::PositionGain | Quantity::TorqueLimit);
+    (text, all.into_iter().flat_map(|(_, bam)| bam.left).filter(own).collect())
 }

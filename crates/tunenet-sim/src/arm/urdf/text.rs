@@ -32,7 +32,10 @@ pub(super) fn check(path: &Path, text: &str) -> Result<()> {
         );
     }
     if !bare.contains("<robot") {
-        return refuse("expected a URDF with <robot>, found none".into(), "is this the URDF of the arm?");
+        return refuse(
+            "expected a model with <robot> (URDF) or <mujoco> (MJCF), found neither".into(),
+            "is this the model of the arm?",
+        );
     }
     if depth(&bare) > DEEPEST {
         return refuse(
