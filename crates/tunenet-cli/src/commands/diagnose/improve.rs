@@ -48,9 +48,11 @@ fn put(path: &Path, file: &SimulationFile) -> Result<()> {
 
 /// Writes the intervals of parameters and coefficients where the answer has any; the path, where it was written.
 pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option<&'a Path>> {
-    let Some(out) = options.out_ranges.as_deref().filter(|_| why_not(answer).is_none()) else {
+    let Some(out) = options.out_ranges.as_deref() else { return Ok(None) };
+    if let Some(why) = why_not(answer) {
+        stage("ranges", &format!("not written: {why}"));
         return Ok(None);
-    };
+    }
     ranges::write(out, &ranges::of_diagnosis(answer))?;
     Ok(Some(out))
 }

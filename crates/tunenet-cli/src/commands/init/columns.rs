@@ -40,6 +40,12 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
             );
         }
     }
+    let mut given: Vec<&str> =
+        options.joints.iter().map(|(_, column)| column.split(':').next().unwrap_or(column)).collect();
+    given.sort_unstable();
+    if let Some(two) = given.windows(2).find(|two| two[0] == two[1]) {
+        return refuse("each column for one joint".into(), format!("`{}` for several", visible(two[0])));
+    }
     let one = |joint: &&Joint| {
         let mapped = options.joints.iter().find(|(name, _)| *name == joint.name).map(|(_, column)| column.clone());
         let same = |name: &str| name == joint.name || plain(name) == plain(&joint.name);

@@ -93,9 +93,11 @@ pub fn write_others(options: &Tune, setups: &Setups, outcome: &Outcome) -> Resul
 
 /// Writes the intervals of the tuned parameters, where they were asked for; those of a poor fit are none to draw from.
 fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
-    let Some(out) = options.out_ranges.as_deref().filter(|_| outcome.verdict == Verdict::Tuned) else {
+    let Some(out) = options.out_ranges.as_deref() else { return Ok(()) };
+    if outcome.verdict != Verdict::Tuned {
+        stage("ranges", "not written: only the intervals of a tuned simulation are ones to draw from");
         return Ok(());
-    };
+    }
     ranges::write(out, &ranges::of_tuning(outcome))?;
     stage("ranges", &out.display().to_string());
     Ok(())
