@@ -4,6 +4,7 @@
 //! and repetition levels.
 
 mod pages;
+mod promises;
 mod values;
 
 use std::fs::File;
@@ -25,7 +26,7 @@ use crate::recording::MOST_NUMBERS;
 use crate::ros::stamps::to_s;
 use crate::sheet::Sheet;
 use crate::source::open;
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Most columns of a file that are looked at.
 const MOST_COLUMNS: usize = 10_000;
@@ -80,7 +81,10 @@ impl Parquet {
     /// [`Error::Io`] where the system refuses; [`Error::File`] where it is no Parquet file, or a broken one.
     pub fn open(path: &Path) -> Result<Self> {
         refuse_git_lfs_pointer(path)?;
-        let reader = SerializedFileReader::new(open(path)?).map_err(|e| broken(path, &e))?;
+        let mut file = open(path)?;
+        let promised = promises::footer_promises(&mut file).map_err(|e| Error::io(path, Action::Reading, e))?;
+        refuse_promise(path, promised)?;
+        let reader = SerializedFileReader::new(file).map_err(|e| broken(path, &e))?;
         let schema = reader.metadata().file_metadata().schema_descr();
         if schema.num_columns() > MOST_COLUMNS {
             let message = format!("expected at most {MOST_COLUMNS} columns, found {}", schema.num_columns());
@@ -150,7 +154,19 @@ impl Parquet {
         }
     }
 
+    /// Refuses pages that promise more than they hold.
+    fn check_pages(&self, group: usize, column: &Column) -> Result<()> {
+        let chunk = self.reader.metadata().row_group(group).column(column.index);
+        let begin = chunk.dictionary_page_offset().unwrap_or(i64::MAX).min(chunk.data_page_offset());
+        let (Ok(begin), Ok(length)) = (u64::try_from(begin), u64::try_from(chunk.compressed_size())) else {
+            return Ok(());
+        };
+        let promised = promises::pages_promise(&mut open(&self.path)?, begin, length);
+        refuse_promise(&self.path, promised.map_err(|e| Error::io(&self.path, Action::Reading, e))?)
+    }
+
     fn read(&self, group: usize, column: &Column, of: &Range<usize>) -> Result<Numbers> {
+        self.check_pages(group, column)?;
         let read = || -> std::result::Result<Numbers, ParquetError> {
             let rows = self.reader.get_row_group(group)?;
             let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
@@ -273,6 +289,12 @@ fn column(index: usize, described: &ColumnDescriptor) -> Column {
         Physical::INT96 | Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Holds::Other,
     };
     Column { name: named.join("."), of, index, levels }
+}
+
+fn refuse_promise(path: &Path, promised: Option<u64>) -> Result<()> {
+    let Some(count) = promised else { return Ok(()) };
+    let message = format!("the Parquet file is broken: a list in it promises {count} elements, more than it has bytes");
+    Err(Error::file(path, message, AGAIN))
 }
 
 /// What is wrong with a file that the crate refuses.
