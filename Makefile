@@ -13,6 +13,10 @@ PACKAGES := libopencv-dev clang libclang-dev pkg-config
 MDBOOK := 0.5.4
 CARGO_DENY := 0.20.2
 
+# The tool that `test-mcap` and `test-slurm` try: one that is there already, or else one that they build without video.
+TOOL :=
+BUILT = $(or $(TOOL),$${CARGO_TARGET_DIR:-target}/release/tunenet)
+
 .PHONY: help test test-mcap test-slurm build demo book licences model fmt packages mcap-packages judges cargo
 
 help: ## list these targets
@@ -31,19 +35,19 @@ test: packages ## install what is missing, then check format, lints, tests, doct
 
 test-mcap: mcap-packages cargo ## read what simulate, gen and plan write with the Python packages mcap and mcap-ros2-support
 	@echo "==> MCAP read by others"
-	@cargo build --release -p tunenet-cli --no-default-features --quiet
-	@target/mcap-venv/bin/python tests/mcap/check.py $${CARGO_TARGET_DIR:-target}/release/tunenet
+	@[[ -n "$(TOOL)" ]] || cargo build --release -p tunenet-cli --no-default-features --quiet
+	@target/mcap-venv/bin/python tests/mcap/check.py $(BUILT)
 
 test-slurm: cargo ## run shards on a one-node Slurm, on a local Ray, and check the Kubernetes manifest; says what it skips and why
 	@echo "==> shards on engines that people run"
-	@cargo build --release -p tunenet-cli --no-default-features --quiet
+	@[[ -n "$(TOOL)" ]] || cargo build --release -p tunenet-cli --no-default-features --quiet
 	@if why=$$(tests/cluster/packages.sh); then \
-	    tests/cluster/slurm.sh $${CARGO_TARGET_DIR:-target}/release/tunenet; \
+	    tests/cluster/slurm.sh $(BUILT); \
 	else \
 	    echo "Slurm: skipped, $$why"; \
 	fi
 	@if why=$$($(MAKE) --silent target/cluster-venv/ready 2>&1); then \
-	    tests/cluster/ray.sh $${CARGO_TARGET_DIR:-target}/release/tunenet target/cluster-venv/bin/python && \
+	    tests/cluster/ray.sh $(BUILT) target/cluster-venv/bin/python && \
 	    tests/cluster/kubernetes.sh target/cluster-venv/bin/kubernetes-validate; \
 	else \
 	    echo "Ray, Kubernetes: skipped, $$(tail -n 1 <<< "$$why")"; \
