@@ -16,6 +16,8 @@ use crate::findings;
 /// A sample this much farther from the median of the seven around it than the motion there explains is a jump of the reading, rad or m.
 const JUMP: f64 = 0.25;
 const WINDOW: usize = 7;
+/// First samples that are so many standard deviations of the noise apart show a motion.
+const MOVES: f64 = 6.0;
 /// The first samples whose median is the start.
 const FIRST: usize = 3;
 /// A command that moves by less than this many standard deviations of the noise has not moved, and a joint whose median moves by less
@@ -147,7 +149,7 @@ fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
     prepared.circumstances = Some(Arc::new(known));
 }
 
-/// Where a joint starts: the median of its first samples, or of all before its command first moves, where it rests there. A start that
+/// Where a joint starts: its first sample where it moves at once, the median of its first samples where it does not, or of all before its command first moves, where it rests there. A start that
 /// is off by the noise stays off until the joint breaks loose.
 fn start_position(
     layout: &Layout,
@@ -157,7 +159,10 @@ fn start_position(
     known: &Circumstances,
     noise: Option<&[f64]>,
 ) -> Option<f64> {
-    let first = median(seen.column(channel).take(FIRST))?;
+    let values: Vec<f64> = seen.column(channel).take(FIRST).collect();
+    // Of a joint that moves from the start, the middle of its first samples is a later place.
+    let moves = noise.is_some_and(|noise| (values[values.len() - 1] - values[0]).abs() > MOVES * noise[channel]);
+    let first = if moves { values[0] } else { median(values)? };
     let command = layout.wiring[joint].command.and_then(|place| known.inputs.get(place));
     let (Some(command), Some(noise)) = (command, noise) else { return Some(first) };
     let goal = |time: &f64| command.at(0, *time);
