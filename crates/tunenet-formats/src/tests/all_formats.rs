@@ -6,7 +6,7 @@ use std::process::Command;
 use rand::{Rng as _, SeedableRng as _};
 
 use crate::quantity::Quantity;
-use crate::{ReadOptions, UnitRule, read, write_csv};
+use crate::{ReadOptions, UnitRule, read, write_csv, write_mcap};
 use tunenet_core::observation::{Kind, Observation};
 
 /// Two joints with their angles, rates and torques at 100 Hz, of random bits.
@@ -56,5 +56,30 @@ fn validate_one_recording_in_all_formats_has_the_same_bits() {
     assert_eq!(found.clock(), expected.clock());
     for joint in 0..2 {
         assert!(found.column(joint).eq(expected.column(joint)));
+    }
+}
+
+#[test]
+fn validate_rosbags_reads_the_mcap_that_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (written, path) = (recording(), folder.path().join("a.mcap"));
+    write_mcap(&written, &path).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/logs/read_mcap.py");
+    let Ok(done) = Command::new("python3").arg(script).arg(&path).output() else {
+        eprintln!("skipped: python3 is not there");
+        return;
+    };
+    let said = String::from_utf8_lossy(&done.stderr);
+    if said.contains("ModuleNotFoundError") {
+        eprintln!("skipped: `make judges` installs what it needs; its folder bin has to come first in PATH: {said}");
+        return;
+    }
+    assert!(done.status.success(), "{said}");
+    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    let rows: Vec<Vec<f64>> =
+        text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), written.len());
+    for (i, row) in rows.iter().enumerate() {
+        assert!((row[0] / 1e9 - written.clock()[i]).abs() < 1e-9 && row[1..] == *written.row(i), "{i}: {row:?}");
     }
 }
