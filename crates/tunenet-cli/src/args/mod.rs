@@ -141,7 +141,7 @@ Examples:
   tunenet init equations
   tunenet init process
   tunenet init robot --model so101.xml
-  tunenet init robot --model so101.xml --from so101_data --joints 1=shoulder_pan,2=shoulder_lift
+  tunenet init robot --model so101.xml --from so101_data --joints Pitch=shoulder_lift
 If release and surface height are not set, they are estimated from each recording.";
 
 const SIMULATE_EXAMPLES: &str = "\

@@ -30,7 +30,8 @@ impl JointNumbersOf<'_> {
         for c in self.coefficients {
             let given = own.get(&c.key);
             let list = given.and_then(Item::as_array).map(|a| a.iter().filter_map(number).collect::<Vec<f64>>());
-            let numbers = list.or_else(|| given.and_then(item_number).map(|v| vec![v]));
+            // One number holds for every joint.
+            let numbers = list.or_else(|| given.and_then(item_number).map(|v| vec![v; self.count]));
             let numbers = numbers.unwrap_or_else(|| vec![c.absent; self.count]);
             if numbers.len() != self.count {
                 let (name, key, found) = (self.name, &c.key, numbers.len());

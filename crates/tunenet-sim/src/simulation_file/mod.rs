@@ -47,8 +47,8 @@ pub use robot_template::{JointColumns, RobotStart, position_channel, robot_templ
 pub use template::template;
 
 use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, RobotScene, Scene};
-pub use schema::Definition;
 use schema::item_number;
+pub use schema::{Definition, is_key};
 
 /// What a ball's file may leave to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -49,6 +49,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let began = Instant::now();
     let mut diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
     diagnosis.notes.extend(units(&loaded, &diagnosis));
+    diagnosis.notes.extend(super::load::left_out(&loaded.objects[0].file)?);
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
     let law = law::search_law(options, &loaded, &diagnosis)?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };

@@ -7,7 +7,7 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::Episodes;
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::JointColumns;
+use tunenet_sim::simulation_file::{JointColumns, is_key};
 
 use crate::args::Init;
 
@@ -79,6 +79,25 @@ pub fn held(model: &Model, columns: &[JointColumns]) -> Option<Note> {
         let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
         Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN`")
     })
+}
+
+/// That the names of joints cannot stand in a simulation file.
+///
+/// # Errors
+/// [`Error::Setting`] where no joint of the model has a name that can.
+pub fn unnameable(model: &Model) -> Result<Option<Note>> {
+    let joints = model.joints();
+    let (named, others): (Vec<&Joint>, Vec<&Joint>) = joints.into_iter().partition(|joint| is_key(&joint.name));
+    if others.is_empty() {
+        return Ok(None);
+    }
+    let names = listed(others.iter().map(|joint| joint.name.as_str()));
+    if named.is_empty() {
+        let expected = "joints whose names are letters, digits and `_`, with no digit in front".into();
+        return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
+    }
+    let text = format!("joints whose names are more than letters, digits and `_` are held at 0: {names}");
+    Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
 }
 
 fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {

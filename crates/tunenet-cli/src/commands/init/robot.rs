@@ -9,7 +9,7 @@ use tunenet_sim::arm::{JointKind, Model, model_file};
 use tunenet_sim::robot::stated_motors;
 use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel, robot_template};
 
-use super::columns::{columns, held};
+use super::columns::{columns, held, unnameable};
 use super::limits::by_limits;
 use crate::args::Init;
 use crate::files::names::in_one_folder;
@@ -30,7 +30,8 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let (model, robot) = model_file::read_driven(urdf)?;
     let mut start =
         RobotStart { motors: robot.as_ref().map(stated_motors).unwrap_or_default(), ..RobotStart::default() };
-    let (mut recording, mut notes) = (None, Vec::new());
+    let (mut recording, mut notes) = (None, model.notes.clone());
+    notes.extend(unnameable(&model)?);
     if let Some(from) = &options.from {
         let found = episodes(from, options)?;
         let columns = columns(options, &model, &found)?;

@@ -6,8 +6,9 @@ use anyhow::{Context, Result};
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
 use tunenet_formats::{ReadOptions, Recording, read};
-use tunenet_sim::SimulationFile;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, findings, observed_robot};
 
 use super::options::reading;
 use super::thinned::at_most;
@@ -30,6 +31,16 @@ pub fn lacks(file: &SimulationFile) -> Result<Vec<Note>> {
         return Ok(Vec::new());
     }
     Ok(ReplayedArm::from_file(file)?.missing_limits())
+}
+
+/// What the model of the robot of `file` states and its simulation leaves out, where that may matter.
+pub fn left_out(file: &SimulationFile) -> Result<Vec<Note>> {
+    if file.domain() != Domain::Robot {
+        return Ok(Vec::new());
+    }
+    let mut notes = observed_robot::notes(file)?;
+    notes.retain(|note| [findings::MODEL_LEFT_OUT, findings::MODEL_EFFECTS].contains(&note.kind));
+    Ok(notes)
 }
 
 /// `recording` with the run without payload at `reference` attached, where there is one.

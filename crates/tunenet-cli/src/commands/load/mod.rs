@@ -24,7 +24,7 @@ use crate::files::destination::neighbouring_urdf;
 use crate::files::hash;
 pub use driven::Driven;
 pub use input_files::{own_files, own_files_of};
-pub use joints::{attach_reference, lacks};
+pub use joints::{attach_reference, lacks, left_out};
 pub use options::reading;
 pub use recording::{of_channels, recording, recording_of};
 pub use setups::Setups;

@@ -34,6 +34,7 @@ pub fn add(
         suspect(file, outcome, options.reference.is_some());
         outcome.notes.splice(0..0, load::lacks(file)?);
     }
+    outcome.notes.splice(0..0, load::left_out(file)?);
     let several = recordings.len() > 1;
     let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {

@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
-use tunenet_models::{Changes, Joint, Robot};
+use tunenet_models::{Actuator, Changes, Joint, Robot, Target};
 
 use crate::findings;
 
@@ -53,6 +53,9 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         let text = format!("joints that follow another one by a curve move freely here: {}", listed(&bent));
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, ""));
     }
+    if driven == Driven::Commands {
+        notes.extend(of_motors(robot));
+    }
     if let Some([x, y, z]) = robot.gravity_m_s2
         && (x != 0.0 || y != 0.0 || (z + 9.81).abs() > 0.01)
     {
@@ -76,6 +79,36 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         notes.push(Note::new(findings::URDF_IGNORED, text, ""));
     }
     notes
+}
+
+/// What a robot's motors and coupled joints have that no joint of the simulation file gets.
+fn of_motors(robot: &Robot) -> Vec<Note> {
+    let name = |joint: usize| format!("`{}`", visible(&robot.joints[joint].name));
+    let count = |joint: usize| robot.actuators.iter().filter(|one| one.target == Target::Joint(joint)).count();
+    let several: Vec<String> = (0..robot.joints.len()).filter(|joint| count(*joint) > 1).map(name).collect();
+    let on_no_joint = |one: &&Actuator| !matches!(one.target, Target::Joint(_));
+    let apart: Vec<String> =
+        robot.actuators.iter().filter(on_no_joint).map(|one| format!("`{}`", visible(&one.name))).collect();
+    let own = |joint: &Joint| joint.damping != 0.0 || joint.friction != 0.0 || joint.armature != 0.0;
+    let follow: Vec<String> = robot
+        .couplings
+        .iter()
+        .filter(|coupling| coupling.other.is_some() && own(&robot.joints[coupling.joint]))
+        .map(|coupling| name(coupling.joint))
+        .collect();
+    let said = [
+        (
+            several,
+            "joints with several actuators, none of which gives the numbers of the motor",
+            "set them under [joints]",
+        ),
+        (apart, "actuators of tendons, sites and bodies, which the simulation leaves out", ""),
+        (follow, "joints that follow others, whose own friction, damping and armature the simulation leaves out", ""),
+    ];
+    said.into_iter()
+        .filter(|(all, ..)| !all.is_empty())
+        .map(|(all, what, remedy)| Note::new(findings::MODEL_LEFT_OUT, format!("{what}: {}", listed(&all)), remedy))
+        .collect()
 }
 
 fn listed(all: &[String]) -> String {
