@@ -19,22 +19,30 @@ fn recording() -> Observation {
     Observation::new(Kind::Joints, channels, clock, values).unwrap()
 }
 
+/// What a script of `tests/logs` prints; `None`, with the reason on standard error, where Python or a package is missing.
+fn python(script: &str, paths: &[&Path]) -> Option<String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/logs").join(script);
+    let Ok(done) = Command::new("python3").arg(script).args(paths).output() else {
+        eprintln!("skipped: python3 is not there");
+        return None;
+    };
+    let said = String::from_utf8_lossy(&done.stderr);
+    if said.contains("ModuleNotFoundError") {
+        eprintln!("skipped: `make judges` installs what it needs; its folder bin has to come first in PATH: {said}");
+        return None;
+    }
+    assert!(done.status.success(), "{said}");
+    Some(String::from_utf8_lossy(&done.stdout).into_owned())
+}
+
 #[test]
 fn validate_one_recording_in_all_formats_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let (expected, csv) = (recording(), folder.path().join("a.csv"));
     write_csv(&expected, &csv).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/logs/write_all.py");
-    let Ok(done) = Command::new("python3").arg(script).arg(&csv).arg(folder.path()).output() else {
-        eprintln!("skipped: python3 is not there");
-        return;
-    };
-    let said = String::from_utf8_lossy(&done.stderr);
-    if said.contains("ModuleNotFoundError") {
-        eprintln!("skipped: `make judges` installs what it needs; its folder bin has to come first in PATH: {said}");
+    if python("write_all.py", &[&csv, folder.path()]).is_none() {
         return;
     }
-    assert!(done.status.success(), "{said}");
     let seen = |name: &str, options: &ReadOptions| read(folder.path().join(name), options).unwrap().observation;
     let plain = ReadOptions::default();
     for name in ["a.csv", "a.parquet", "a.npz", "sqlite", "sqlite_file", "sqlite_message", "mcap"] {
@@ -64,18 +72,7 @@ fn validate_rosbags_reads_the_mcap_that_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let (written, path) = (recording(), folder.path().join("a.mcap"));
     write_mcap(&written, &path).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/logs/read_mcap.py");
-    let Ok(done) = Command::new("python3").arg(script).arg(&path).output() else {
-        eprintln!("skipped: python3 is not there");
-        return;
-    };
-    let said = String::from_utf8_lossy(&done.stderr);
-    if said.contains("ModuleNotFoundError") {
-        eprintln!("skipped: `make judges` installs what it needs; its folder bin has to come first in PATH: {said}");
-        return;
-    }
-    assert!(done.status.success(), "{said}");
-    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    let Some(text) = python("read_mcap.py", &[&path]) else { return };
     let rows: Vec<Vec<f64>> =
         text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
     assert_eq!(rows.len(), written.len());
