@@ -13,6 +13,8 @@ use crate::{Error, Result};
 
 /// Counts a turn of the encoders of Feetech STS and Dynamixel X.
 const COUNTS: f64 = 4096.0;
+/// Degrees in such files go from minus this to this.
+const MOST_DEGREES: f64 = 270.0;
 /// More turns than this are no joint's.
 const MOST_TURNS: f64 = 16.0;
 /// The joint whose numbers go from 0 to 100; those of all others go from -100 to 100.
@@ -67,7 +69,7 @@ fn by_lists(value: &Value) -> std::result::Result<Vec<UnitRule>, String> {
     }
     let one = |i: usize| match (names[i].as_str(), modes[i].as_str(), starts[i].as_f64(), ends[i].as_f64()) {
         (Some(name), Some("DEGREE"), ..) => {
-            Ok(UnitRule { name: name.to_owned(), factor: 1.0, unit: "deg".into(), calibrated: None })
+            rule(name, 0.0, MOST_DEGREES * COUNTS / 180.0, (-MOST_DEGREES, MOST_DEGREES))
         }
         (Some(name), Some("LINEAR"), Some(start), Some(end)) => {
             rule(name, start.min(end), start.max(end), (0.0, 100.0))
@@ -123,7 +125,8 @@ mod tests {
                 "calib_mode": ["DEGREE", "LINEAR"], "motor_names": ["elbow", "gripper"]}"#,
         )
         .unwrap();
-        assert_eq!((rules[0].factor, rules[0].unit.as_str(), rules[0].calibrated.is_none()), (1.0, "deg", true));
+        assert_eq!((rules[0].factor, rules[0].unit.as_str()), (1.0, "deg"));
+        assert_eq!(rules[0].calibrated.as_ref().unwrap().within, (-270.0, 270.0));
         assert!((rules[1].factor - 0.9).abs() < 1e-12, "{rules:?}");
     }
 

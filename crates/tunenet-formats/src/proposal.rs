@@ -32,28 +32,35 @@ pub struct Proposal {
 
 /// The smallest step between these readings of one channel, where they lie on the lattice of an encoder.
 pub(crate) fn encoder_step(readings: &[f64]) -> Option<f64> {
+    let different = different(readings);
+    let way = different.last()? - different.first()?;
+    step(&different).filter(|step| way <= TURNS * COUNTS * step)
+}
+
+/// Each finite reading once, the least first.
+fn different(readings: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.dedup();
-    let way = sorted.last()? - sorted.first()?;
-    let step = if sorted.len() < FEWEST { None } else { lattice_step(&sorted) };
-    step.filter(|step| way <= TURNS * COUNTS * step)
+    sorted
+}
+
+/// The smallest step between different readings, where there are enough of them.
+fn step(different: &[f64]) -> Option<f64> {
+    if different.len() < FEWEST { None } else { lattice_step(different) }
 }
 
 /// The proposal for these readings of one channel; they are in any order.
 pub(crate) fn proposal(readings: &[f64]) -> Proposal {
-    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let (Some(low), Some(high)) = (sorted.first().copied(), sorted.last().copied()) else {
+    let different = different(readings);
+    let (Some(low), Some(high)) = (different.first().copied(), different.last().copied()) else {
         return Proposal { unit: None, why: "no numbers".into() };
     };
     if low == high {
         return Proposal { unit: None, why: format!("constant {}: it does not move", shortest(low)) };
     }
-    sorted.dedup();
     let range = format!("{low:.4} to {high:.4}");
-    let step = if sorted.len() < FEWEST { None } else { lattice_step(&sorted) };
-    match step {
+    match step(&different) {
         Some(step) => by_step(step, low, high, &range),
         None => by_range(low, high, &range),
     }

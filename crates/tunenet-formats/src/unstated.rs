@@ -75,9 +75,6 @@ impl Unstated {
     /// [`Error::File`] with the flag to add where a column is asked for whose unit is not stated.
     pub fn recording(&self, path: &Path, clock: Vec<f64>, mut values: Vec<f64>) -> Result<Recording> {
         self.refuse_others(path, &values)?;
-        let misfits: Vec<Option<Note>> = (0..self.names.len())
-            .map(|at| note_misfit(&self.names[at], &self.column(at, &values), self.rules[at].as_ref()?))
-            .collect();
         let factors: Vec<(usize, f64)> = self
             .factors
             .iter()
@@ -100,13 +97,21 @@ impl Unstated {
             }
             Err(_) => self.wanted(),
         };
-        let asked_for = asked.clone();
-        let unknown: Vec<usize> = asked.into_iter().filter(|column| self.factors[*column].is_none()).collect();
+        let unknown: Vec<usize> = asked.iter().copied().filter(|column| self.factors[*column].is_none()).collect();
         let Some(first) = unknown.first() else {
             made?;
-            let used = asked_for.iter().filter_map(|column| misfits[*column].clone());
+            // As the file has them: what a calibration file states was held against them above.
+            let read = |column: usize| -> Vec<f64> {
+                let factor = self.factors[column].unwrap_or(1.0);
+                sheet.column(column + 1).map(|value| value / factor).collect()
+            };
+            let misfit = |column: &usize| {
+                let rule = self.rules[*column].as_ref().filter(|rule| rule.calibrated.is_none())?;
+                note_misfit(&self.names[*column], &read(*column), rule)
+            };
+            let misfits: Vec<Note> = asked.iter().filter_map(misfit).collect();
             let mut found = sheet.recording(path, &self.options)?;
-            found.notes.extend(used);
+            found.notes.extend(misfits);
             // A robot has more joints than are simulated; `inspect` lists all of them.
             found.notes.retain(|note| note.kind != findings::COLUMNS_IGNORED);
             return Ok(found);
@@ -137,17 +142,13 @@ impl Unstated {
     fn refuse_others(&self, path: &Path, values: &[f64]) -> Result<()> {
         for (at, rule) in self.rules.iter().enumerate() {
             let Some(rule) = rule.as_ref().filter(|rule| rule.calibrated.is_some()) else { continue };
-            let Some(message) = calibration_misfit(&self.names[at], &self.column(at, values), rule) else { continue };
+            let column: Vec<f64> = values.iter().skip(at).step_by(self.names.len()).copied().collect();
+            let Some(message) = calibration_misfit(&self.names[at], &column, rule) else { continue };
             let hint = "name the calibration of this robot at the time of the recording, or state the unit with `--units` \
                         (`deg` where the data set is in degrees)";
             return Err(Error::file(path, message, hint));
         }
         Ok(())
-    }
-
-    /// The numbers of a column as the file has them.
-    fn column(&self, at: usize, values: &[f64]) -> Vec<f64> {
-        values.iter().skip(at).step_by(self.names.len()).copied().collect()
     }
 
     /// The columns that channels without a column are named after.
