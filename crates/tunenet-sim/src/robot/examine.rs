@@ -149,8 +149,8 @@ fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
     prepared.circumstances = Some(Arc::new(known));
 }
 
-/// Where a joint starts: its first sample where it moves at once, the median of its first samples where it does not, or of all before its command first moves, where it rests there. A start that
-/// is off by the noise stays off until the joint breaks loose.
+/// Where a joint starts. Where it rests: the median of its first samples, or of all before its command first moves, since a start that
+/// is off by the noise stays off until the joint breaks loose. Where it moves at once: its first sample.
 fn start_position(
     layout: &Layout,
     seen: &Observation,
@@ -161,8 +161,9 @@ fn start_position(
 ) -> Option<f64> {
     let values: Vec<f64> = seen.column(channel).take(FIRST).collect();
     // Of a joint that moves from the start, the middle of its first samples is a later place.
-    let moves = noise.is_some_and(|noise| (values[values.len() - 1] - values[0]).abs() > MOVES * noise[channel]);
-    let first = if moves { values[0] } else { median(values)? };
+    let (begins, goes) = (*values.first()?, *values.last()?);
+    let moves = noise.is_some_and(|noise| (goes - begins).abs() > MOVES * noise[channel]);
+    let first = if moves { begins } else { median(values)? };
     let command = layout.wiring[joint].command.and_then(|place| known.inputs.get(place));
     let (Some(command), Some(noise)) = (command, noise) else { return Some(first) };
     let goal = |time: &f64| command.at(0, *time);

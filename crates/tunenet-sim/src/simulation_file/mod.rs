@@ -48,7 +48,7 @@ pub use template::template;
 
 use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, RobotScene, Scene};
 use schema::item_number;
-pub use schema::{Definition, is_key};
+pub use schema::{Definition, is_name};
 
 /// What a ball's file may leave to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -110,14 +110,9 @@ pub(crate) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     Some(item)
 }
 
-/// Whether a joint may be called so in a simulation file.
+/// Whether a parameter or a joint may be called so in a simulation file: letters, digits and `_`, with no digit in front.
 #[must_use]
-pub fn is_key(name: &str) -> bool {
-    is_name(name)
-}
-
-/// Whether a parameter of a program may be called so: letters, digits and `_`, with no digit in front.
-pub(super) fn is_name(name: &str) -> bool {
+pub fn is_name(name: &str) -> bool {
     let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     plain && !name.is_empty() && name.len() <= LONGEST_NAME && !name.starts_with(|c: char| c.is_ascii_digit())
 }

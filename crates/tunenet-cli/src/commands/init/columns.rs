@@ -7,7 +7,7 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::Episodes;
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::{JointColumns, is_key};
+use tunenet_sim::simulation_file::{JointColumns, is_name};
 
 use crate::args::Init;
 
@@ -87,7 +87,7 @@ pub fn held(model: &Model, columns: &[JointColumns]) -> Option<Note> {
 /// [`Error::Setting`] where no joint of the model has a name that can.
 pub fn unnameable(model: &Model) -> Result<Option<Note>> {
     let joints = model.joints();
-    let (named, others): (Vec<&Joint>, Vec<&Joint>) = joints.into_iter().partition(|joint| is_key(&joint.name));
+    let (named, others): (Vec<&Joint>, Vec<&Joint>) = joints.into_iter().partition(|joint| is_name(&joint.name));
     if others.is_empty() {
         return Ok(None);
     }
@@ -96,7 +96,9 @@ pub fn unnameable(model: &Model) -> Result<Option<Note>> {
         let expected = "joints whose names are letters, digits and `_`, with no digit in front".into();
         return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
     }
-    let text = format!("joints whose names are more than letters, digits and `_` are held at 0: {names}");
+    let text = format!(
+        "joints whose names are no keys of a file (letters, digits and `_`, with no digit in front) are held at 0: {names}"
+    );
     Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
 }
 

@@ -95,7 +95,7 @@ pub fn write_others(options: &Tune, setups: &Setups, outcome: &Outcome) -> Resul
 fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
     let Some(out) = options.out_ranges.as_deref() else { return Ok(()) };
     if outcome.verdict != Verdict::Tuned {
-        stage("ranges", "not written: only the intervals of a tuned simulation are ones to draw from");
+        stage("ranges", "not written: the verdict is not TUNED");
         return Ok(());
     }
     ranges::write(out, &ranges::of_tuning(outcome))?;
