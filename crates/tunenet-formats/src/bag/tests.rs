@@ -191,3 +191,49 @@ fn definitions_of_implausible_length_are_refused() {
     let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
     assert!(message.ends_with("expected at most 16777216 bytes, found more"), "{message}");
 }
+
+/// A `trajectory_msgs/JointTrajectory` of one point for each of two joints, in the same layout as a hand-written message.
+fn way(ns: i64, q: f64) -> Vec<u8> {
+    let word = |number: u32| number.to_le_bytes();
+    let sec = word(u32::try_from(ns / 1_000_000_000).unwrap());
+    let nanosec = word(u32::try_from(ns % 1_000_000_000).unwrap());
+    let (hip, knee) = ([&word(4)[..], b"hip\0"].concat(), [&word(5)[..], b"knee\0", &[0; 3]].concat());
+    let header = [&sec[..], &nanosec, &word(1), &[0; 4]].concat();
+    let positions = [&word(2)[..], &q.to_le_bytes(), &(-q).to_le_bytes()].concat();
+    let rest = [word(0), word(0), word(0), word(0), word(0)].concat();
+    let names = [&word(2)[..], &hip, &knee].concat();
+    // The counts of points and of positions are followed by numbers of eight bytes, counted from after the mark.
+    assert_eq!((header.len() + names.len() + 8) % 8, 0);
+    cdr(&[&header, &names, &word(1), &positions, &rest])
+}
+
+#[test]
+fn the_points_of_a_trajectory_are_commands_by_the_names_of_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.db3");
+    let at = |i: i64| 1_000_000_000 + 20_000_000 * i;
+    let commands = (0..30).map(|i| (at(i) + 900, way(at(i), 0.1 * i as f64))).collect();
+    let states = (0..30)
+        .map(|i| {
+            let q = 0.01 * f64::from(i);
+            (at(i.into()), joints(at(i.into()), &["hip", "knee"], &[q, -q], &[]))
+        })
+        .collect();
+    let topics = [
+        (1, "/controller/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", commands),
+        (2, "/joint_states", "sensor_msgs/msg/JointState", states),
+    ];
+    write(&path, SCHEMA_3, &topics);
+    let knee = || vec![tunenet_core::observation::Channel::from_header("knee_rad").unwrap()];
+    // What was measured is not looked for among commands.
+    let measured = read(&path, &ReadOptions { channels: knee(), ..ReadOptions::default() }).unwrap().observation;
+    assert!((measured.column(0).last().unwrap() + 0.29).abs() < 1e-12);
+    let commands = ReadOptions { channels: knee(), ..topic("/controller/joint_trajectory") };
+    let commanded = read(&path, &commands).unwrap().observation;
+    assert!((commanded.column(0).last().unwrap() + 2.9).abs() < 1e-12);
+    assert_eq!(commanded.clock(), measured.clock());
+    let columns = ReadOptions { columns: vec![("knee_rad".into(), "position.knee".into())], ..commands };
+    assert_eq!(read(&path, &columns).unwrap().observation, commanded);
+    let Contents::Log(log) = contents(&path).unwrap() else { panic!("a log") };
+    assert_eq!(log.topics[0].columns, ["position.hip", "position.knee"]);
+}

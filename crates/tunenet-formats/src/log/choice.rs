@@ -42,7 +42,8 @@ pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], options: &ReadOptions
         };
     }
     let named: Vec<&Topic> = with_columns.iter().filter(|topic| columns::has_all(topic, options)).copied().collect();
-    if let [topic] = named.as_slice() {
+    let measured: Vec<&Topic> = named.iter().filter(|topic| !topic.is_command()).copied().collect();
+    if let ([topic], _) | (_, ([topic], Role::Predicted | Role::Starting)) = (&named[..], (&measured[..], role)) {
         return Ok(topic);
     }
     match usable.as_slice() {

@@ -12,6 +12,7 @@ use super::topics::{Topic, survey};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
 use crate::ros::joints::Joints;
 use crate::ros::message::{Decoded, JointMessage, Sample, Way};
+use crate::ros::numbers::Numbers;
 use crate::ros::stamps::to_s;
 use crate::sheet::Sheet;
 use crate::shown::counted;
@@ -42,14 +43,15 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
         }
         number += 1;
         let decoder = message.channel.decoder.as_ref().map_err(ToString::to_string);
-        let decoded = decoder.and_then(|decoder| {
+        let added = decoder.and_then(|decoder| {
             if as_columns {
-                let found = decoder.numbers(&message.data, series.names.is_empty())?;
-                return Ok(Decoded { stamp_ns: found.stamp_ns, sample: Sample::Numbers(found) });
+                let rows = decoder.rows(&message.data, series.names.is_empty())?;
+                rows.into_iter().try_for_each(|row| series.add_numbers(number, row, message.log_time))
+            } else {
+                series.add(number, decoder.decode(&message.data, false)?, message.log_time)
             }
-            decoder.decode(&message.data, false)
         });
-        decoded.and_then(|decoded| series.add(number, decoded, message.log_time)).map_err(|why| {
+        added.map_err(|why| {
             Error::file(path, format!("message {number} of `{}` cannot be used: {why}", topic.name), "")
         })?;
         if series.values.len() > MOST_NUMBERS {
@@ -117,26 +119,37 @@ impl<'a> Series<'a> {
         }
     }
 
-    fn add(&mut self, number: u64, decoded: Decoded, log_time: u64) -> std::result::Result<(), String> {
-        let kind = decoded.sample.kind();
+    /// Adds a row of numbers, one for each column; the first settles the columns.
+    fn add_numbers(&mut self, number: u64, found: Numbers, log_time: u64) -> std::result::Result<(), String> {
+        self.settle(Kind::Other)?;
+        if self.names.is_empty() {
+            self.channels = found.names.iter().map(|name| Channel::new(name.clone(), "1")).collect();
+            (self.names, self.layout) = (found.names, found.layout);
+        } else if self.layout != found.layout || self.names.len() != found.values.len() {
+            self.other_layout += 1;
+            return Ok(());
+        }
+        self.values.extend(found.values);
+        let log = i64::try_from(log_time).unwrap_or(i64::MAX);
+        let [stamp, log] = [found.stamp_ns, Some(log)].map(|time| time.and_then(|t| t.checked_add(found.after_ns)));
+        self.rows.push(Row { number, stamp, log: log.unwrap_or(i64::MAX) });
+        Ok(())
+    }
+
+    /// Settles the kind of observation by the first sample, and refuses one of another kind.
+    fn settle(&mut self, kind: Kind) -> std::result::Result<(), String> {
         if *self.kind.get_or_insert(kind) != kind {
             return Err(format!("expected {}, found {}", self.kind.map_or("", kind_name), kind_name(kind)));
         }
+        Ok(())
+    }
+
+    fn add(&mut self, number: u64, decoded: Decoded, log_time: u64) -> std::result::Result<(), String> {
+        self.settle(decoded.sample.kind())?;
         let start = self.values.len();
         let log = i64::try_from(log_time).unwrap_or(i64::MAX);
         match decoded.sample {
-            Sample::Numbers(found) => {
-                if self.names.is_empty() {
-                    self.channels = found.names.iter().map(|name| Channel::new(name.clone(), "1")).collect();
-                    (self.names, self.layout) = (found.names, found.layout);
-                } else if self.layout != found.layout || self.names.len() != found.values.len() {
-                    self.other_layout += 1;
-                    return Ok(());
-                }
-                self.values.extend(found.values);
-                self.rows.push(Row { number, stamp: decoded.stamp_ns, log });
-                return Ok(());
-            }
+            Sample::Numbers(found) => return self.add_numbers(number, found, log_time),
             Sample::Way(way) => return self.add_way(number, way, decoded.stamp_ns, log),
             Sample::Position(position) => {
                 if self.channels.is_empty() {

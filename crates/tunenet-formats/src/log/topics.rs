@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::files::files;
 use super::source::messages;
+use crate::ros::cdr::Type;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::joints::Joints;
 use crate::ros::message::{JointMessage, NOTHING, NUMBERS, Sample, Way};
@@ -58,7 +59,8 @@ impl Topic {
     fn add(&mut self, message: &RawMessage) {
         if self.messages == 0 {
             let decoder = message.channel.decoder.as_ref();
-            self.columns = decoder.ok().and_then(|d| d.numbers(&message.data, true).ok()).unwrap_or_default().names;
+            let rows = decoder.ok().and_then(|decoder| decoder.rows(&message.data, true).ok()).unwrap_or_default();
+            self.columns = rows.into_iter().next().unwrap_or_default().names;
             if let Err(Unread::Undefined(name)) = decoder {
                 self.undefined = Some(name.clone());
             }
@@ -74,6 +76,11 @@ impl Topic {
             });
         }
         self.messages += 1;
+    }
+
+    /// Whether its messages state where joints are meant to be, not where they were.
+    pub(super) fn is_command(&self) -> bool {
+        Type::of(&self.schema) == Some(Type::JointTrajectory)
     }
 
     pub(super) fn described(&self) -> String {

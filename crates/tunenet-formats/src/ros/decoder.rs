@@ -64,11 +64,13 @@ impl Decoder {
         if schema::holds_numbers(&fields) { Ok(Self::Defined(fields)) } else { Err(NOTHING.into()) }
     }
 
-    /// All numbers of a message, with their names where `named`; none where its type is not defined.
-    pub fn numbers(&self, data: &[u8], named: bool) -> std::result::Result<Numbers, String> {
+    /// All numbers of a message, with their names where `named`: one row, or one for each point of a way. None where its type is
+    /// not defined.
+    pub fn rows(&self, data: &[u8], named: bool) -> std::result::Result<Vec<Numbers>, String> {
         match self {
-            Self::Cdr(_, Some(fields)) | Self::Defined(fields) => numbers(fields, data, named),
-            Self::Cdr(_, None) | Self::Json => Ok(Numbers::default()),
+            Self::Cdr(cdr::Type::JointTrajectory, _) | Self::Json => Ok(self.decode(data, named)?.into_rows()),
+            Self::Cdr(_, Some(fields)) | Self::Defined(fields) => Ok(vec![numbers(fields, data, named)?]),
+            Self::Cdr(_, None) => Ok(Vec::new()),
         }
     }
 

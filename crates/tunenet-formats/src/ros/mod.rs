@@ -9,7 +9,7 @@ mod json;
 mod mark;
 pub(crate) mod message;
 mod message_definition;
-mod numbers;
+pub(crate) mod numbers;
 pub(crate) mod schema;
 pub(crate) mod stamps;
 mod standard;

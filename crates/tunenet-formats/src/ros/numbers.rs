@@ -22,6 +22,8 @@ const MOST_PADDING: usize = 7;
 pub(crate) struct Numbers {
     /// The stamp of its header, in ns; `None` without one.
     pub stamp_ns: Option<i64>,
+    /// How long after the stamp, or after the time of recording, they hold, in ns.
+    pub after_ns: i64,
     /// One for each number: `linear.x`, `data.0`, `position.elbow`. Empty where names were not asked for.
     pub names: Vec<String>,
     pub values: Vec<f64>,
