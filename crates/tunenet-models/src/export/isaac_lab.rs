@@ -53,11 +53,12 @@ pub fn isaac_lab(changes: &[Change], whole: &[Whole], physics_step_s: f64) -> St
                 let value = joints[name].get(&quantity)?.value + braking.map_or(0.0, |braking| braking.value);
                 Some(format!("{}: {value:?}", python(&regex(name))))
             };
-            let entries: Vec<String> = names.iter().filter_map(of).collect();
+            // Isaac Lab requires both gains, and `None` would keep those of the asset: a joint driven by torque has neither.
+            let gain = matches!(key, "stiffness" | "damping");
+            let zero = |name: &&str| gain.then(|| format!("{}: 0.0", python(&regex(name))));
+            let entries: Vec<String> = names.iter().filter_map(|name| of(name).or_else(|| zero(name))).collect();
             if !entries.is_empty() {
                 let _ = writeln!(text, "        {key}={{{}}},", entries.join(", "));
-            } else if matches!(key, "stiffness" | "damping") {
-                let _ = writeln!(text, "        {key}=None,");
             }
         }
         if delayed {

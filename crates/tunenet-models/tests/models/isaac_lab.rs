@@ -23,8 +23,8 @@ assert sorted(found) == ["delay_6_8", "tuned"], found
 slow, quick = found["delay_6_8"], found["tuned"]
 assert type(slow).__name__ == "DelayedPDActuatorCfg" and (slow.min_delay, slow.max_delay) == (6, 8)
 assert [n for n in ("arm.1", "armx1", 'a"b\\') if re.fullmatch(slow.joint_names_expr[0], n)] == ["arm.1"]
-assert list(slow.stiffness.values()) == [12.5] and slow.damping is None
-assert quick.damping is None and quick.stiffness is None
+assert list(slow.stiffness.values()) == [12.5] and list(slow.damping.values()) == [0.0]
+assert list(quick.damping.values()) == [0.0] and list(quick.stiffness.values()) == [0.0]
 (pattern, friction), = quick.friction.items()
 assert re.fullmatch(pattern, 'a"b\\') and friction == 0.5 and quick.dynamic_friction == quick.friction
 assert not hasattr(quick, "min_delay") and quick.effort_limit_sim[pattern] == 3.0

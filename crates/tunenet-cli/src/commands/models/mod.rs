@@ -13,6 +13,7 @@ use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::model_file::with_friction;
 use tunenet_sim::observed_arm::urdf_path;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays};
+use tunenet_sim::robot::Drive;
 use tunenet_sim::simulation_file::Domain;
 
 use crate::args::Models;
@@ -38,6 +39,10 @@ pub fn check(options: &Models, file: &SimulationFile, objects: usize) -> Result<
     if options.out_model.is_some() && !robot && !replays(file) {
         let expected = "`kind = \"robot\"`, or an arm with `motion.kind = \"replay\"`";
         return refuse("--out-model", expected, "another simulation".into());
+    }
+    if options.out_bam.is_some() && !file.robot()?.joints.values().any(|joint| joint.drive == Drive::Position) {
+        let expected = "a joint with `drive = \"position\"`, since BAM's servos follow positions";
+        return refuse("--out-bam", expected, "none".into());
     }
     if options.asked() && objects > 1 {
         let flag = if options.out_model.is_some() { "--out-model" } else { options.of_robots().unwrap_or("--out-bam") };
