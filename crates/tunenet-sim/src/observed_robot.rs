@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use tunenet_core::observation::{Channel, Note};
+use tunenet_core::observation::{Channel, Note, with_decimals};
 use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValue};
 use tunenet_formats::{Error, Result};
 
@@ -13,13 +13,16 @@ use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
 use crate::robot::numbers::{JointNumbers, Number};
 use crate::robot::rig::{Mass, Rig};
 use crate::robot::trajectory::Quantity;
-use crate::robot::{Drive, RobotModel};
+use crate::robot::{Drive, RobotModel, StatedGravity, stated_gravity};
 use crate::scene::{JointScene, RobotScene};
 use crate::simulation_file::robot_schema::role;
 use crate::{SimulationFile, declared, findings};
 
 /// What recordings with one gain and one load cannot distinguish from parameters of a servo.
 const ONE_SETUP: [&str; 3] = ["firmware_gain", "load_offset", "joint_spring"];
+
+/// Gravity of places on Earth differs by as much.
+const SAME_GRAVITY_M_S2: f64 = 0.05;
 
 /// What is simulated at a single joint only.
 const SINGLE_JOINT: [&str; 2] = ["joint_elasticity", "backlash"];
@@ -144,7 +147,32 @@ pub fn model_path(file: &SimulationFile) -> Result<PathBuf> {
 /// # Errors
 /// As [`robot`].
 pub fn notes(file: &SimulationFile) -> Result<Vec<Note>> {
-    Ok(model(file)?.notes)
+    let (whole, described) = model_file::read_driven(&model_path(file)?)?;
+    let mut notes = chain(file, &whole)?.notes;
+    notes.extend(
+        described.as_ref().and_then(stated_gravity).and_then(|stated| other_gravity(file.robot().ok()?, stated)),
+    );
+    Ok(notes)
+}
+
+/// That the model states another gravity than the file. A base that the file alone turns is no contradiction.
+fn other_gravity(scene: &RobotScene, stated: StatedGravity) -> Option<Note> {
+    let own = scene.world.gravity_m_s2;
+    let turned = scene.robot.base_tilt_rad == [0.0; 2] && stated.base_tilt_rad != [0.0; 2];
+    if (own - stated.size_m_s2).abs() <= SAME_GRAVITY_M_S2 && !turned {
+        return None;
+    }
+    let size = with_decimals(stated.size_m_s2, 3);
+    let [x, y] = stated.base_tilt_rad.map(|turn| with_decimals(turn, 3));
+    let text = format!(
+        "the model states another gravity ({size} m/s², base turned by {x}, {y} rad) than the simulation file, whose \
+         {own} m/s² count"
+    );
+    Some(Note::new(
+        findings::MODEL_LEFT_OUT,
+        text,
+        "set `world.gravity_m_s2` and `robot.base_tilt_rad` if the model is right",
+    ))
 }
 
 /// The chain of the file's joints, all others held.

@@ -14,6 +14,7 @@
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `layout` | what parameters, channels and inputs mean |
 //! | `rig` | the chain with its loads |
+//! | `stated_gravity` | the gravity of an MJCF |
 //! | `stated_motor` | what an MJCF says of the motors of its joints |
 //! | `examine` | what is wrong with a recording |
 //! | [`effects`] | what a driven joint may have beyond its simulation |
@@ -32,6 +33,7 @@ pub(crate) mod numbers;
 mod one_joint;
 pub(crate) mod rig;
 mod signal;
+mod stated_gravity;
 mod stated_motor;
 pub(crate) mod trajectory;
 mod two_masses;
@@ -43,4 +45,5 @@ mod tests;
 pub use model::RobotModel;
 pub(crate) use model::driven_joints;
 pub use numbers::Drive;
+pub use stated_gravity::{StatedGravity, stated_gravity};
 pub use stated_motor::{StatedMotor, stated_motors};

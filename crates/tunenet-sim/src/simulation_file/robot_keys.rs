@@ -20,7 +20,7 @@ pub const ROBOT_KEYS: &[Key] = &[
         false,
         "turn of the base about x, then about y of the world",
     ),
-    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards (default: 9.81)"),
+    key("world.gravity_m_s2", Shape::Number(0.0, 1e3), false, "gravity, downwards (default: 9.81)"),
     key("integrate.step_s", Shape::Number(1e-6, 0.1), false, "step of the integration (default: 0.001)"),
     key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "samples per second that `simulate` and `gen` write"),
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many samples they write"),

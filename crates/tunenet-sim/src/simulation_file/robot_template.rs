@@ -7,7 +7,7 @@ use super::robot_schema::{BETWEEN, SAMPLES};
 use super::schema::{Definition, is_name};
 use super::template::{keys, line, parameter};
 use crate::arm::{Joint, JointKind, Model};
-use crate::robot::{Drive, StatedMotor};
+use crate::robot::{Drive, StatedGravity, StatedMotor};
 
 /// Where a log has the numbers of a joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub struct JointColumns {
 pub struct RobotStart {
     /// What the model states of motors.
     pub motors: Vec<StatedMotor>,
+    /// What the model states of gravity; 9.81 m/s² downwards where it does not.
+    pub gravity: Option<StatedGravity>,
     /// The joints that a log has, and where; `None` without a log. Other joints are held, and no motor is ever released.
     pub columns: Option<Vec<JointColumns>>,
     /// Rows of the log per second, where that is known.
@@ -63,6 +65,12 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
         tables(&mut own, joint, start);
     }
     let mut text = keys(Domain::Robot, &own).replacen("\"arm.urdf\"", &toml_edit::value(path).to_string(), 1);
+    if let Some(StatedGravity { size_m_s2, base_tilt_rad: [x, y] }) = start.gravity {
+        text = text.replacen("gravity_m_s2 = 9.81\n", &format!("gravity_m_s2 = {size_m_s2:?}\n"), 1);
+        if [x, y] != [0.0; 2] {
+            text = text.replacen("# base_tilt_rad = [0.0, 0.0]\n", &format!("base_tilt_rad = [{x:?}, {y:?}]\n"), 1);
+        }
+    }
     if let Some(rate_hz) = start.rate_hz {
         text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
     }
@@ -239,7 +247,7 @@ mod tests {
         let path = Path::new("m.xml");
         let robot = tunenet_models::Model::parse_alone(path, MODEL).unwrap();
         let rate_hz = columns.is_some().then_some(30.0);
-        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz };
+        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz, gravity: None };
         let model = crate::arm::model_file::parse_mjcf(path, MODEL).unwrap();
         let text = robot_template("m \"x\".xml", &model, &start);
         SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"))

@@ -6,7 +6,7 @@ use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration, shell_word};
 use tunenet_sim::arm::{JointKind, Model, model_file};
-use tunenet_sim::robot::stated_motors;
+use tunenet_sim::robot::{stated_gravity, stated_motors};
 use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel, robot_template};
 
 use super::columns::{columns, held, unnameable};
@@ -28,14 +28,16 @@ pub struct Started {
 /// Where the model or the recording cannot be used, or have no joint in common.
 pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let (model, robot) = model_file::read_driven(urdf)?;
-    let mut start =
-        RobotStart { motors: robot.as_ref().map(stated_motors).unwrap_or_default(), ..RobotStart::default() };
+    let motors = robot.as_ref().map(stated_motors).unwrap_or_default();
+    let gravity = robot.as_ref().and_then(stated_gravity);
+    let mut start = RobotStart { motors, gravity, ..RobotStart::default() };
     let (mut recording, mut notes) = (None, model.notes.clone());
     notes.extend(unnameable(&model)?);
     if let Some(from) = &options.from {
         let found = episodes(from, options)?;
         let columns = columns(options, &model, &found)?;
         notes.extend(held(&model, &columns));
+        notes.extend(found.notes.iter().cloned());
         recording = Some(flags(from, options, &model, (&found, &columns)));
         start.columns = Some(columns);
         start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);

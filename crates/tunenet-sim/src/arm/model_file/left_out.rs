@@ -56,7 +56,8 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     if driven == Driven::Commands {
         notes.extend(of_motors(robot));
     }
-    if let Some([x, y, z]) = robot.gravity_m_s2
+    if driven == Driven::Torques
+        && let Some([x, y, z]) = robot.gravity_m_s2
         && (x != 0.0 || y != 0.0 || (z + 9.81).abs() > 0.01)
     {
         let text = format!("the model file's gravity is {x} {y} {z} m/s²; that of the simulation file counts");
