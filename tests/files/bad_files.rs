@@ -231,7 +231,7 @@ fn other_kinds_of_files_under_the_name_of_a_table() {
 fn documents_are_named_instead_of_their_columns() {
     let folder = Folder::with_scene();
     for (name, start, found, remedy) in [
-        ("a.csv", "<?xml version=\"1.0\"?>\n<!-- a, b -->\n<robot name=\"arm\">\n</robot>\n", "a URDF", "`arm.urdf`"),
+        ("a.csv", "<?xml version=\"1.0\"?>\n<!-- a, b -->\n<robot name=\"arm\">\n</robot>\n", "a URDF", "`tunenet init robot --model FILE`"),
         ("a.xml", "<mujoco model=\"arm\">\n</mujoco>\n", "a MuJoCo model", "`tunenet init process`"),
         ("a.json", "{\n  \"fps\": 30,\n  \"rows\": 2\n}\n", "a JSON document", "export the series as CSV"),
         ("a.html", "<!DOCTYPE html>\n<html></html>\n", "an HTML page", "download the file itself"),
@@ -253,7 +253,7 @@ fn a_urdf_in_place_of_a_simulation_file_is_named() {
     let folder = Folder::with_scene();
     folder.write("drop.csv", Drop::default().csv());
     folder.write("arm.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"arm\">\n</robot>\n");
-    let wanted = ["arm.urdf: expected a simulation file (TOML), found a URDF", "`arm.urdf`"];
+    let wanted = ["arm.urdf: expected a simulation file (TOML), found a URDF", "`tunenet init robot --model FILE`"];
     refused(&folder, "tune --sim arm.urdf drop.csv", &wanted);
 }
 

@@ -7,7 +7,7 @@ use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::own_columns;
 use crate::csv::scan::scan;
 use crate::format::{Format, format};
-use crate::log::files::{files, is_bag};
+use crate::log::files::{absent_parts, files, is_bag};
 use crate::log::topics::{Topic, survey};
 use crate::others;
 use crate::place::{Place, is_data_set};
@@ -85,6 +85,8 @@ pub struct Log {
     pub library: String,
     /// Its topics by name.
     pub topics: Vec<Topic>,
+    /// What is missing.
+    pub notes: Vec<Note>,
     /// Seconds from the first message to the last, by the times of recording; `None` without messages.
     pub span_s: Option<f64>,
     /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
@@ -154,7 +156,10 @@ fn sheet_table(path: &Path, sheet: &Sheet, options: &ReadOptions) -> Result<Tabl
             table.spans(times);
             table.notes = notes;
         }
-        Err(Error::File { message, hint, .. }) => (table.usable, table.remedy) = (Err(message), hint),
+        Err(Error::File { message, hint, .. }) => {
+            (table.usable, table.remedy) = (Err(message), hint);
+            table.notes.clone_from(&sheet.notes);
+        }
         Err(error) => return Err(error),
     }
     Ok(table)
@@ -196,7 +201,8 @@ fn log(path: &Path, options: &ReadOptions) -> Result<Contents> {
     });
     let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
     let (profile, library, topics) = (found.profile, found.library, found.topics);
-    Ok(Contents::Log(Log { profile, library, topics, span_s, ended, remedy }))
+    let notes = absent_parts(&files(path)?).into_iter().collect();
+    Ok(Contents::Log(Log { profile, library, topics, notes, span_s, ended, remedy }))
 }
 
 fn table(path: &Path, options: &ReadOptions) -> Result<Table> {

@@ -45,12 +45,9 @@ impl Document {
     fn remedy(self) -> &'static str {
         match self {
             Self::GitLfsPointer => "run `git lfs pull` in its repository, and give the file again",
-            Self::Urdf => {
-                "name it in the simulation file as `arm.urdf` (`tunenet init arm` writes one), and give that with --sim"
-            }
-            Self::Mjcf => {
-                "name it in the simulation file as `arm.urdf` (`tunenet init arm` writes one), or run it in a simulator \
-                 program (`tunenet init process`), and give that with --sim"
+            Self::Urdf | Self::Mjcf => {
+                "`tunenet init robot --model FILE` writes a simulation file that names it (for a payload from torques, \
+                 `tunenet init arm`); give that with --sim"
             }
             Self::Sdf => {
                 "give the recording; an arm is described by a URDF, which the simulation file names as `arm.urdf`"

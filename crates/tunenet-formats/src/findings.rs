@@ -87,6 +87,9 @@ finding_kinds! {
     warning EPISODES_MISSING = "episodes.missing",
         "not all of the episodes that a data set lists are there",
         "download the others where they are needed";
+    warning FILES_MISSING = "files.missing",
+        "the numbers of a recording's files have a gap",
+        "copy the whole folder, with its metadata.yaml";
     note INPUT_LATE = "inputs.late",
         "an input begins after the recording; its first value holds before",
         "record the input from the start";

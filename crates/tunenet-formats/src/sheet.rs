@@ -30,6 +30,8 @@ pub(crate) struct Sheet {
     pub values: Vec<f64>,
     /// Whether the columns have no names, only numbers.
     pub unnamed: bool,
+    /// What the file holds and the columns do not.
+    pub notes: Vec<Note>,
 }
 
 /// How many rows most of several arrays have, of those with so many that they are a series; of equally many arrays, the larger number.
@@ -101,7 +103,9 @@ impl Sheet {
         for row in 0..self.rows() {
             taken.add(path, &layout, row, &|column| self.cell(row, column))?;
         }
-        taken.finish(path, self, layout)
+        let mut recording = taken.finish(path, self, layout)?;
+        recording.notes.extend(self.notes.iter().cloned());
+        Ok(recording)
     }
 }
 

@@ -87,7 +87,7 @@ impl Unstated {
             }
         }
         let names = std::iter::once(&self.clock).chain(&self.headers).cloned().collect();
-        let sheet = &Sheet { names, clock, values, unnamed: false };
+        let sheet = &Sheet { names, clock, values, ..Sheet::default() };
         let made = sheet.layout(path, &self.options);
         let asked: Vec<usize> = match &made {
             // The first column is the clock.

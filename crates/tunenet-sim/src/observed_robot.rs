@@ -18,8 +18,11 @@ use crate::scene::{JointScene, RobotScene};
 use crate::simulation_file::robot_schema::role;
 use crate::{SimulationFile, declared, findings};
 
+/// The effect that scales the gain.
+const GAIN: &str = "firmware_gain";
+
 /// What recordings with one gain and one load cannot distinguish from parameters of a servo.
-const ONE_SETUP: [&str; 3] = ["firmware_gain", "load_offset", "joint_spring"];
+const ONE_SETUP: [&str; 3] = [GAIN, "load_offset", "joint_spring"];
 
 /// Gravity of places on Earth differs by as much.
 const SAME_GRAVITY_M_S2: f64 = 0.05;
@@ -54,12 +57,15 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let absent = |names: &[&'static str]| -> Vec<&'static str> {
         names.iter().copied().filter(|name| given(name).is_none()).collect()
     };
-    let same_as_parameters = if one_setup { absent(&ONE_SETUP) } else { Vec::new() };
+    let roles = roles(&parameters, &order);
+    let scaled = roles.iter().zip(&parameters).any(|(role, one)| role.number == Number::StallTorque && one.tune);
+    // The gain alone scales nothing that is tuned where the stall torque is not.
+    let same = |name: &&str| scaled || *name != GAIN;
+    let same_as_parameters = if one_setup { absent(&ONE_SETUP).into_iter().filter(same).collect() } else { Vec::new() };
     let beyond = if order.len() > 1 { absent(&SINGLE_JOINT) } else { Vec::new() };
     let looked_for =
         |effect: &RobotEffect| !same_as_parameters.contains(&effect.name) && !beyond.contains(&effect.name);
     let effects: Vec<RobotEffect> = crate::robot::effects::all().into_iter().filter(looked_for).collect();
-    let roles = roles(&parameters, &order);
     let tuned = |number: Number| {
         let is =
             |(role, parameter): (&Role, &Parameter)| (role.number == number && parameter.tune).then_some(role.joint);

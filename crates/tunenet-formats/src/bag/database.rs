@@ -100,14 +100,21 @@ impl Database {
         self.connection.query_row(text, [], |row| Ok(row.get::<_, i64>(0)? > 0))
     }
 
-    /// The query of the messages after a time and a row: row, topic, time, bytes.
-    pub fn after(&self) -> rusqlite::Result<Statement<'_>> {
-        self.connection.prepare(if self.by_time {
-            "SELECT rowid, topic_id, timestamp, data FROM messages WHERE (timestamp, rowid) > (?1, ?2) \
-             ORDER BY timestamp, rowid"
+    /// The query of the messages after a time and a row: row, topic, time, and the bytes of those of the topics in `whole`. The
+    /// bytes of others stay where they are.
+    pub fn after(&self, whole: &[i64]) -> rusqlite::Result<Statement<'_>> {
+        let topics = whole.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+        let chosen = format!("rowid, topic_id, timestamp, CASE WHEN topic_id IN ({topics}) THEN data END");
+        self.connection.prepare(&if self.by_time {
+            format!("SELECT {chosen} FROM messages WHERE (timestamp, rowid) > (?1, ?2) ORDER BY timestamp, rowid")
         } else {
-            "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ?2 AND ?1 IS NOT NULL ORDER BY rowid"
+            format!("SELECT {chosen} FROM messages WHERE rowid > ?2 AND ?1 IS NOT NULL ORDER BY rowid")
         })
+    }
+
+    /// The query of the bytes of one message by its row.
+    pub fn bytes_of_row(&self) -> rusqlite::Result<Statement<'_>> {
+        self.connection.prepare("SELECT data FROM messages WHERE rowid = ?1")
     }
 
     /// The topics in the order in which they are listed.

@@ -8,8 +8,7 @@
 mod database;
 mod unpacked;
 
-use std::collections::BTreeMap;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,6 +16,7 @@ use rusqlite::types::ValueRef;
 
 use self::database::Database;
 pub(crate) use self::unpacked::{Unpacked, unpacked};
+use crate::log::source::Wanted;
 use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
 use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;
@@ -41,6 +41,10 @@ pub(crate) struct Messages {
     /// Which channel a topic is, by its number in the file.
     numbers: BTreeMap<i64, usize>,
     library: String,
+    /// Topics all of whose messages are fetched with their bytes, by their numbers in the file.
+    whole: Vec<i64>,
+    /// Topics whose next message is; those of later ones are not.
+    first: BTreeSet<i64>,
     fetched: VecDeque<RawMessage>,
     /// Time and row of the last message that was fetched.
     last: (i64, i64),
@@ -49,12 +53,13 @@ pub(crate) struct Messages {
 }
 
 impl Messages {
-    /// Opens the bag in the file at `path`; `given` defines types that it does not.
+    /// Opens the bag in the file at `path`, for the bytes of the messages that are `wanted`: those of others are left empty. `given`
+    /// defines types that it does not.
     ///
     /// # Errors
     /// [`Error::Io`] or [`Error::File`] where it is no bag. The iterator returns [`Error::File`] once, as its last item, where it is
     /// broken, and says how many messages came before.
-    pub fn open(path: &Path, given: &Given) -> Result<Self> {
+    pub fn open(path: &Path, given: &Given, wanted: &Wanted) -> Result<Self> {
         let database = Database::open(path)?;
         let definitions = database.definitions(MOST_DEFINITIONS)?;
         let (mut channels, mut numbers, mut known) = (Vec::new(), BTreeMap::new(), Decoders::new());
@@ -72,8 +77,26 @@ impl Messages {
             channels.push(Arc::new(ChannelInfo::new(number, topic.name, described, given, &mut known)));
         }
         let library = database.library();
-        let (path, last) = (path.to_owned(), (i64::MIN, i64::MIN));
-        Ok(Self { path, database, channels, numbers, library, fetched: VecDeque::new(), last, count: 0, ended: false })
+        let (whole, first) = match wanted {
+            Wanted::First => (Vec::new(), numbers.keys().copied().collect()),
+            Wanted::Topic(topic) => {
+                let is = |(_, at): &(&i64, &usize)| topic.is(&channels[**at]);
+                (numbers.iter().filter(is).map(|(id, _)| *id).collect(), BTreeSet::new())
+            }
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            database,
+            channels,
+            numbers,
+            library,
+            whole,
+            first,
+            fetched: VecDeque::new(),
+            last: (i64::MIN, i64::MIN),
+            count: 0,
+            ended: false,
+        })
     }
 
     /// All topics, with or without messages.
@@ -90,7 +113,8 @@ impl Messages {
     fn fetch(&mut self) -> Result<()> {
         let (path, count) = (self.path.clone(), self.count);
         let broken = |error: rusqlite::Error| broken(&path, count, &error);
-        let mut statement = self.database.after().map_err(broken)?;
+        let mut statement = self.database.after(&self.whole).map_err(broken)?;
+        let mut single = self.database.bytes_of_row().map_err(broken)?;
         let mut rows = statement.query([self.last.0, self.last.1]).map_err(broken)?;
         let mut bytes = 0;
         while self.fetched.len() < BATCH && bytes < BATCH_BYTES {
@@ -102,13 +126,14 @@ impl Messages {
                     format!("message {} {what}: {} could be read before", count + 1, counted(count, "message"));
                 Err(Error::file(&path, message, "copy the recording again, or try `ros2 bag convert`"))
             };
-            let data = match row.get_ref(3).map_err(broken)? {
-                ValueRef::Blob(data) if data.len() <= LONGEST_MESSAGE => unpacked::message(data, LONGEST_MESSAGE),
-                ValueRef::Blob(data) => return wrong(format!("has {} bytes, more than are read", data.len())),
-                other => return wrong(format!("holds {:?} where its bytes are expected", other.data_type())),
-            };
-            let data = match data {
-                Ok(data) => data,
+            let mut one = None;
+            if self.first.remove(&topic) {
+                one = single.query([id]).map_err(broken)?.next().map_err(broken)?.map(|row| unpacked_of(row, 0));
+            } else if self.whole.contains(&topic) {
+                one = Some(unpacked_of(row, 3));
+            }
+            let data = match one.transpose() {
+                Ok(data) => data.unwrap_or_default(),
                 Err(why) => return wrong(why),
             };
             let Some(channel) = self.numbers.get(&topic).map(|at| &self.channels[*at]) else {
@@ -120,6 +145,15 @@ impl Messages {
             self.fetched.push_back(RawMessage { channel: Arc::clone(channel), log_time, data });
         }
         Ok(())
+    }
+}
+
+/// The bytes of a message in column `at` of a row, or what is wrong with them.
+fn unpacked_of(row: &rusqlite::Row<'_>, at: usize) -> std::result::Result<Vec<u8>, String> {
+    match row.get_ref(at).map_err(|e| format!("cannot be read ({e})"))? {
+        ValueRef::Blob(data) if data.len() <= LONGEST_MESSAGE => unpacked::message(data, LONGEST_MESSAGE),
+        ValueRef::Blob(data) => Err(format!("has {} bytes, more than are read", data.len())),
+        other => Err(format!("holds {:?} where its bytes are expected", other.data_type())),
     }
 }
 

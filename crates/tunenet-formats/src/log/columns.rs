@@ -87,6 +87,7 @@ mod tests {
             schema: String::new(),
             encoding: "cdr".into(),
             messages: 9,
+            span_ns: None,
             usable: if usable { Ok(Kind::Joints) } else { Err("no".into()) },
             columns: columns.iter().map(|name| (*name).to_owned()).collect(),
             undefined: None,

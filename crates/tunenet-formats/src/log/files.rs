@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::encoding::read_text;
+use crate::findings;
 use crate::shown::{counted, list};
 use crate::{Action, Error, Result};
+use tunenet_core::observation::Note;
 
 /// What ROS 2 writes next to the files of a recording.
 const METADATA: &str = "metadata.yaml";
@@ -79,6 +81,21 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     let plain: Vec<PathBuf> = all.clone();
     all.retain(|path| !(path.extension().is_some_and(|e| e == "zstd") && plain.contains(&path.with_extension(""))));
     Ok(all)
+}
+
+/// That a file is missing between those of a recording, by their numbers.
+pub(crate) fn absent_parts(files: &[PathBuf]) -> Option<Note> {
+    let of = |path: &PathBuf| {
+        let stem = PathBuf::from(name(path).trim_end_matches(".zstd")).with_extension("");
+        let text = stem.to_string_lossy().into_owned();
+        let digits = text.len() - text.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (before, number) = text.split_at(text.len() - digits);
+        number.parse::<u64>().ok().map(|number| (before.to_owned(), number))
+    };
+    let numbers = files.iter().map(of).collect::<Option<Vec<_>>>()?;
+    let gap = numbers.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[1].1 > pair[0].1 + 1)?;
+    let text = format!("the recording's files go from `{}{}` to `{}{}`", gap[0].0, gap[0].1, gap[1].0, gap[1].1);
+    Some(Note::new(findings::FILES_MISSING, text, "copy the whole folder, with its metadata.yaml"))
 }
 
 /// A name in parts, its numbers as numbers: `bag_10` comes after `bag_9`.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::choice::choose;
 use super::columns;
-use super::files::files;
-use super::source::messages;
+use super::files::{absent_parts, files};
+use super::source::{Wanted, messages};
 use super::topics::{Topic, survey};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
 use crate::ros::joints::Joints;
@@ -36,7 +36,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let files = files(path)?;
     let mut series = Series::new(path, topic, &options.joints);
     let mut number = 0u64;
-    for message in messages(&files, &options.definitions)? {
+    for message in messages(&files, &options.definitions, Wanted::Topic(topic.clone()))? {
         let message = message?;
         if !topic.is(&message.channel) {
             continue;
@@ -58,7 +58,9 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
             return Err(too_long(path, &topic.name, &files));
         }
     }
-    series.finish(options)
+    let mut recording = series.finish(options)?;
+    recording.notes.extend(absent_parts(&files));
+    Ok(recording)
 }
 
 /// That a topic holds more numbers than are read, and how its log is cut.
@@ -284,7 +286,7 @@ impl<'a> Series<'a> {
         options: &ReadOptions,
     ) -> Result<Recording> {
         let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
-        let sheet = Sheet { names, clock, values, unnamed: false };
+        let sheet = Sheet { names, clock, values, ..Sheet::default() };
         let found = sheet.recording(self.path, &columns::reading(self.topic, options))?;
         let notes = notes.into_iter().chain(found.notes).collect();
         Ok(Recording { notes, ..found })
@@ -302,8 +304,12 @@ impl<'a> Series<'a> {
         let name = &self.topic.name;
         match (self.fault(&logs), stamp_fault) {
             (None, fault) => {
-                let why = if fault.is_some() { "do not rise" } else { "are not set" };
-                let text = format!("the stamps of `{name}` {why}: the times of recording are used");
+                let why = match fault {
+                    Some(_) => format!("the stamps of `{name}` do not rise"),
+                    None if stamps.is_empty() => format!("the messages of `{name}` have no stamps"),
+                    None => format!("the stamps of `{name}` are not set"),
+                };
+                let text = format!("{why}: the times of recording are used");
                 notes.push(Note::new(findings::CLOCK_LOG_TIME, text, "stamp the messages where they are measured"));
                 Ok(logs)
             }

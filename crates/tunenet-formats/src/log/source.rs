@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::topics::Topic;
 #[cfg(feature = "logs")]
 use crate::bag;
 use crate::format::{Format, format};
@@ -11,8 +12,19 @@ use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::schema::Given;
 use crate::{Error, Result};
 
+/// The messages whose bytes are needed. Those of others may come without them: a bag has them in pages of their own, and most of a
+/// robot's bag is pictures.
+#[derive(Debug, Clone)]
+pub(crate) enum Wanted {
+    /// The first of each topic.
+    First,
+    /// All of a topic.
+    Topic(Topic),
+}
+
 /// The messages of a log in the order of its files. Ends after the first error.
 pub(crate) struct Messages {
+    wanted: Wanted,
     given: Vec<(String, String)>,
     /// The files that follow, the next one last.
     later: Vec<PathBuf>,
@@ -39,7 +51,7 @@ struct Mcap {
 }
 
 impl One {
-    fn open(path: &Path, given: &Given) -> Result<Self> {
+    fn open(path: &Path, given: &Given, wanted: &Wanted) -> Result<Self> {
         match format(path)? {
             Format::Mcap => Ok(Self::Mcap(Mcap {
                 messages: Box::new(records::messages(path)?.with_definitions(given)),
@@ -53,7 +65,7 @@ impl One {
                 Ok(Self::Mcap(Mcap { messages, _copy: Some(file) }))
             }
             #[cfg(feature = "logs")]
-            Format::Bag => Ok(Self::Bag(Box::new(bag::Messages::open(path, given)?))),
+            Format::Bag => Ok(Self::Bag(Box::new(bag::Messages::open(path, given, wanted)?))),
             _ => Err(Error::file(path, "expected a log, found another file", "name the folder of the log")),
         }
     }
@@ -84,14 +96,14 @@ impl One {
     }
 }
 
-/// The messages of a log in these files; `given` defines types that they do not.
+/// The messages of a log in these files, with the bytes of those that are wanted; `given` defines types that they do not.
 ///
 /// # Errors
 /// Where the first file cannot be opened. The iterator returns an error once, as its last item, where a file is cut off or broken.
-pub(crate) fn messages(files: &[PathBuf], given: &Given) -> Result<Messages> {
+pub(crate) fn messages(files: &[PathBuf], given: &Given, wanted: Wanted) -> Result<Messages> {
     let mut later: Vec<PathBuf> = files.iter().rev().cloned().collect();
-    let now = later.pop().map(|path| One::open(&path, given)).transpose()?;
-    Ok(Messages { given: given.to_vec(), later, now, before: Vec::new(), writer: Default::default() })
+    let now = later.pop().map(|path| One::open(&path, given, &wanted)).transpose()?;
+    Ok(Messages { wanted, given: given.to_vec(), later, now, before: Vec::new(), writer: Default::default() })
 }
 
 impl Messages {
@@ -123,7 +135,7 @@ impl Iterator for Messages {
                 self.writer = ended.writer();
             }
             let path = self.later.pop()?;
-            match One::open(&path, &self.given) {
+            match One::open(&path, &self.given, &self.wanted) {
                 Ok(next) => self.now = Some(next),
                 Err(error) => return Some(Err(error)),
             }

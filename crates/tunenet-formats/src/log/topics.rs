@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::files::files;
-use super::source::messages;
+use super::source::{Wanted, messages};
 use crate::ros::cdr::Type;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::joints::Joints;
@@ -29,6 +29,8 @@ pub struct Topic {
     pub encoding: String,
     /// How many messages it has.
     pub messages: u64,
+    /// When the first and the last of them were recorded, in ns.
+    pub span_ns: Option<(u64, u64)>,
     /// The kind of observation it makes, or why it makes none, to be read after the topic's name: "carries no positions".
     pub usable: std::result::Result<Kind, String>,
     /// The names of the numbers in its first message, which `--columns` and the `column` of an input may take: `data`, `linear.x`,
@@ -45,6 +47,7 @@ impl Topic {
             schema: channel.schema_name.clone(),
             encoding: channel.message_encoding.clone(),
             messages: 0,
+            span_ns: None,
             usable: Err(SILENT.into()),
             columns: Vec::new(),
             undefined: None,
@@ -76,6 +79,16 @@ impl Topic {
             });
         }
         self.messages += 1;
+        let (at, known) = (message.log_time, self.span_ns.unwrap_or((message.log_time, message.log_time)));
+        self.span_ns = Some((known.0.min(at), known.1.max(at)));
+    }
+
+    /// Messages per second between the first and the last one, by the times of recording; `None` where they have one time.
+    #[must_use]
+    pub fn rate_hz(&self) -> Option<f64> {
+        let (first, last) = self.span_ns?;
+        let span_s = last.saturating_sub(first) as f64 * 1e-9;
+        (span_s > 0.0).then(|| self.messages.saturating_sub(1) as f64 / span_s)
     }
 
     /// Whether its messages state where joints are meant to be, not where they were.
@@ -109,7 +122,7 @@ pub(crate) struct Survey {
 
 /// Goes through the files of a log once and counts.
 pub(crate) fn survey(path: &Path, given: &Given) -> Result<Survey> {
-    let mut messages = messages(&files(path)?, given)?;
+    let mut messages = messages(&files(path)?, given, Wanted::First)?;
     let mut topics: Vec<Topic> = Vec::new();
     let (mut ended, mut log_ns) = (None, None);
     let mut indices = Indices::default();

@@ -11,18 +11,23 @@ use flate2::read::DeflateDecoder;
 use zip::CompressionMethod;
 
 use self::array::Array;
+use crate::findings;
 use crate::recording::MOST_NUMBERS;
 use crate::sheet::{Sheet, most_common_rows};
 use crate::shown::list;
 use crate::source::open;
 use crate::{Error, Result};
-use tunenet_core::observation::FEWEST_SAMPLES;
+use tunenet_core::observation::{FEWEST_SAMPLES, Note};
+use tunenet_core::text::visible;
 
 /// The mark at the start of an array.
 const MARK: &[u8] = b"\x93NUMPY";
 
 /// Most arrays of a file.
 const MOST_ARRAYS: usize = 10_000;
+
+/// Most arrays that a note names.
+const MOST_NAMED: usize = 6;
 
 /// How `numpy.savez_compressed` packs, by its number: the crate is built without it.
 #[expect(deprecated, reason = "the crate has no other name for a method that it does not unpack itself")]
@@ -71,7 +76,7 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
                 total += array.values.len();
                 arrays.push((name, array));
             }
-            Err(why) => refused.push(format!("{name}: {why}")),
+            Err(why) => refused.push(format!("`{name}`: {why}")),
         }
         if total > MOST_NUMBERS {
             return Err(broken(format!("expected at most {MOST_NUMBERS} numbers, found more")));
@@ -82,7 +87,11 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
         let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none ({why})");
         return Err(Error::file(path, message, "save the series as arrays of numbers"));
     };
+    let other =
+        |(name, array): &(String, Array)| (array.rows != rows).then(|| format!("`{name}`: {} rows", array.rows));
+    refused.extend(arrays.iter().filter_map(other));
     arrays.retain(|(_, array)| array.rows == rows);
+    let notes = left_out(&refused, rows).into_iter().collect();
     let mut names = Vec::new();
     for (name, array) in &arrays {
         match (array.names.as_slice(), array.flat) {
@@ -94,7 +103,17 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
     let row =
         |row: usize| arrays.iter().flat_map(move |(_, a)| a.values[row * a.width..(row + 1) * a.width].iter().copied());
     let values = (0..rows).flat_map(row).collect();
-    Ok(Sheet { names, values, ..Sheet::default() })
+    Ok(Sheet { names, values, notes, ..Sheet::default() })
+}
+
+/// Which arrays of a file are no columns, and why.
+fn left_out(refused: &[String], rows: usize) -> Option<Note> {
+    let mut all = refused.iter().take(MOST_NAMED).map(|one| visible(one)).collect::<Vec<_>>().join("; ");
+    if refused.len() > MOST_NAMED {
+        all += &format!("; and {} more", refused.len() - MOST_NAMED);
+    }
+    let text = format!("arrays that are no columns of numbers with {rows} rows: {all}");
+    (!refused.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "save them as such if they matter"))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&Simulation
     let read = (chosen && found.ended.is_none()).then(|| recording(path, options, sim));
     let refused = read.as_ref().and_then(|read| read.as_ref().err()).map(refusal);
     let read = read.and_then(Result::ok);
-    let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
+    let notes = read.as_ref().map_or_else(|| found.notes.clone(), |r| r.notes.clone());
     shown.warn_all(&notes);
     let named = options.reading.numbers.topic.as_deref().filter(|_| read.is_some());
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));

@@ -1,7 +1,7 @@
 //! What `inspect` says of a log.
 
 use serde_json::{Value, json};
-use tunenet_core::observation::{Check, Note};
+use tunenet_core::observation::{Check, Note, with_decimals};
 use tunenet_formats::{Log, kind_name};
 
 use super::joints;
@@ -12,9 +12,10 @@ use crate::view::json::warning;
 
 /// The topics of a log.
 pub fn contents(found: &Log, shown: &mut Printout) {
+    let span = found.span_s.map_or_else(String::new, |s| format!(", {} s", with_decimals(s, 2)));
     shown.row(
         "log",
-        &format!("{}, profile `{}`, written by `{}`", topics(found.topics.len()), found.profile, found.library),
+        &format!("{}{}, profile `{}`, written by `{}`", topics(found.topics.len()), span, found.profile, found.library),
     );
     let rows: Vec<Vec<String>> = found
         .topics
@@ -22,7 +23,8 @@ pub fn contents(found: &Log, shown: &mut Printout) {
         .map(|t| {
             let usable =
                 t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind_name(*kind).to_string());
-            vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
+            let rate = t.rate_hz().map_or_else(String::new, |rate| format!("{} Hz", with_decimals(rate, 1)));
+            vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), rate, usable]
         })
         .collect();
     shown.table(&rows);
@@ -82,10 +84,10 @@ pub fn object(
     let mut object = json!({
         "kind": "log", "profile": found.profile, "library": found.library,
         "topics": found.topics.iter().map(|t| json!({
-            "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
+            "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages, "rate_hz": t.rate_hz(),
             "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(), "columns": t.columns,
         })).collect::<Vec<_>>(),
-        "ended": found.ended, "remedy": found.remedy,
+        "span_s": found.span_s, "ended": found.ended, "remedy": found.remedy,
         "warnings": notes.iter().map(warning).collect::<Vec<_>>(),
     });
     if let Some(refused) = refused {
