@@ -1,6 +1,7 @@
 //! Held-out proof: of validation recordings only the start is fitted, and their later part is forecast.
 
 use crate::Result;
+use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Point};
@@ -33,10 +34,12 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
     let start =
         Point { parameters: Vec::new(), nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect() };
     let early = joint.fit(start, EARLY)?.point;
-    let whole = joint.fit(early.clone(), FULL)?.point;
+    let whole = joint.fit(early, FULL)?.point;
     let plain = joint.plain_residuals(&whole)?;
-    let known = joint.fit(early, Effort { horizon: KNOWN, ..FULL })?.point;
-    let ahead = joint.plain_residuals(&known)?;
+    let centred: Vec<Set> = sets.iter().zip(&whole.nuisances).map(|(set, found)| centred(set, found)).collect();
+    let ahead = Joint { sets: &centred, ..joint };
+    let known = ahead.fit(whole.clone(), Effort { horizon: KNOWN, ..FULL })?.point;
+    let ahead = ahead.plain_residuals(&known)?;
     let mut residuals = plain.clone();
     for (set, values) in sets.iter().zip(&mut residuals) {
         let width = set.width();
@@ -46,9 +49,21 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
     Ok(Some(HeldOut { rmse, forecast, residuals, nuisances: whole.nuisances }))
 }
 
+/// A recording whose priors are centred on what was `found`: what its start does not show, as the height of a floor before the first
+/// contact, is no forecast of the model. Random effects are, and keep their own.
+fn centred(set: &Set, found: &[f64]) -> Set {
+    let mut centred = set.clone();
+    let random = set.random_draws + usize::from(set.random_parameter.is_some());
+    let stated = centred.prepared.nuisances.len().saturating_sub(random);
+    for (nuisance, found) in centred.prepared.nuisances[..stated].iter_mut().zip(found) {
+        nuisance.value = *found;
+    }
+    centred
+}
+
 #[cfg(test)]
 mod tests {
-    use super::validate;
+    use super::{Set, centred, validate};
     use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -66,6 +81,17 @@ mod tests {
         in_swings(&[], 2, 0, |context| {
             let base = fit_without_effects(context).unwrap();
             assert!(validate(context, &base).unwrap().is_none());
+        });
+    }
+    #[test]
+    fn priors_are_centred_on_what_was_found_but_those_of_random_effects() {
+        in_swings(&[], 2, 1, |context| {
+            let set = &context.evidence.validation[0];
+            let found: Vec<f64> = set.prepared.nuisance_values().iter().map(|value| value + 0.25).collect();
+            assert_eq!(centred(set, &found).prepared.nuisance_values(), found);
+            let drawn = centred(&Set { random_draws: 1, ..set.clone() }, &found).prepared.nuisance_values();
+            assert_eq!(drawn.last(), set.prepared.nuisance_values().last());
+            assert_eq!(drawn[..drawn.len() - 1], found[..found.len() - 1]);
         });
     }
 }
