@@ -1,6 +1,6 @@
 //! Lack-of-fit test: the root mean square of residuals against the noise of their channel (Draper and Smith 1998, chapter 2).
 
-use crate::observation::{Kind, Observation};
+use crate::observation::{Kind, Observation, lattice_step};
 
 /// A misfit below this share of the range of the data is negligible, even for exact recordings.
 const PRACTICAL_SHARE: f64 = 1e-6;
@@ -23,9 +23,10 @@ pub struct Adequacy {
 }
 
 impl Adequacy {
-    /// Judges the weighted residuals (shape `[sample · channel]`) of `seen`, fitted with `fitted` numbers.
+    /// Judges the weighted residuals (shape `[sample · channel]`) of `seen`, fitted with `fitted` numbers. Where real recordings never follow
+    /// the simulation down to their noise (`discrepancy`), a channel of which less is left than a step of its sensor is adequate.
     #[must_use]
-    pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], fitted: usize) -> Self {
+    pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], (fitted, discrepancy): (usize, bool)) -> Self {
         let width = noise.len();
         let samples = seen.len();
         let (mut worst, mut place) = (0.0, 0);
@@ -35,7 +36,11 @@ impl Adequacy {
             let ratio = (column().map(|r| r * r).sum::<f64>() / degrees_of_freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst {
+            let resolved = || {
+                let values: Vec<f64> = seen.column(channel).collect();
+                !discrepancy || lattice_step(&values).is_none_or(|step| ratio * noise >= step)
+            };
+            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst && (ratio <= 1.0 || resolved()) {
                 (worst, place) = (ratio, channel);
             }
         }
@@ -62,16 +67,28 @@ mod tests {
     fn residuals_of_the_size_of_the_noise_are_adequate_and_twice_that_is_not() {
         let seen = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap();
         let residuals = |size: f64| (0..seen.len()).map(|i| if i % 2 == 0 { size } else { -size }).collect::<Vec<_>>();
-        let fit = Adequacy::of(&seen, &[0.01], &residuals(1.0), 2);
+        let fit = Adequacy::of(&seen, &[0.01], &residuals(1.0), (2, false));
         let n = seen.len() as f64;
         assert!((fit.ratio - (n / (n - 2.0)).sqrt()).abs() < 1e-12 && (fit.limit - 1.1 - 6.0 / n.sqrt()).abs() < 1e-12);
         assert!(fit.tested && !fit.poor());
-        assert!(Adequacy::of(&seen, &[0.01], &residuals(2.0), 2).poor());
+        assert!(Adequacy::of(&seen, &[0.01], &residuals(2.0), (2, false)).poor());
+    }
+
+    #[test]
+    fn less_than_a_step_of_the_sensor_is_adequate_where_no_simulation_follows_to_the_noise() {
+        let exact = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.02, 7).unwrap();
+        let step = 0.01;
+        let counts = exact.values().iter().map(|value| (value / step).round() * step).collect();
+        let seen = Observation::new(Kind::Other, exact.channels().to_vec(), exact.clock().to_vec(), counts).unwrap();
+        let of =
+            |size: f64, discrepancy| Adequacy::of(&seen, &[0.002], &vec![size / 0.002; seen.len()], (2, discrepancy));
+        assert!(of(0.009, false).poor() && !of(0.009, true).poor());
+        assert!(of(0.011, true).poor());
     }
 
     #[test]
     fn a_recording_of_few_samples_is_not_tested() {
         let seen = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap().slice(0..7).unwrap();
-        assert!(!Adequacy::of(&seen, &[0.01], &[9.0; 7], 2).poor());
+        assert!(!Adequacy::of(&seen, &[0.01], &[9.0; 7], (2, false)).poor());
     }
 }

@@ -166,7 +166,7 @@ fn compare(
     let column = |channel: usize| residual.iter().copied().skip(channel).step_by(width);
     let lags = MOST_LAGS.min(seen.len() / 3);
     let autocorrelation = (0..width).map(|c| autocorrelation(&column(c).collect::<Vec<_>>(), lags)).collect();
-    let adequacy = Adequacy::of(seen, noise, &residual, recording.nuisances.len() + shared);
+    let adequacy = Adequacy::of(seen, noise, &residual, (recording.nuisances.len() + shared, recording.discrepancy));
     Ok(Comparison {
         // A joint whose torque hardly changes is still one that a user asks after.
         moves: if seen.kind() == Kind::Joints { vec![true; width] } else { moves(&after, noise) },

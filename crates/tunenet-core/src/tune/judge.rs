@@ -25,7 +25,7 @@ impl Tuning<'_> {
     fn adequacy(&self, fit: &Fit, d: usize) -> Adequacy {
         let share = self.free.len().div_ceil(self.recordings.len());
         let recording = &self.recordings[d];
-        let (noise, fitted) = (floor(recording), recording.nuisances.len() + share);
+        let (noise, fitted) = (floor(recording), (recording.nuisances.len() + share, recording.discrepancy));
         if recording.residual_scale.is_none() {
             return Adequacy::of(&recording.seen, &noise, &fit.residuals[d], fitted);
         }

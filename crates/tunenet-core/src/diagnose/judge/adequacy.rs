@@ -10,7 +10,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::recording_scores;
 use crate::estimate::Adequacy;
 use crate::estimate::cluster_robust::Score;
-use crate::observation::Kind;
+use crate::observation::{Kind, lattice_step};
 use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
 
 /// A test fails only below this probability ...
@@ -63,7 +63,7 @@ pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypot
     let mut heterogeneous = agreement.as_ref().is_some_and(|test| !test.passed);
     tests.extend(agreement);
     tests.extend(residual_size(context, model));
-    if is_rounding(context, model) {
+    if is_rounding(context, model) || is_unresolved(context, model) {
         for test in &mut tests {
             test.passed = true;
         }
@@ -81,6 +81,24 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
     })
 }
 
+/// Whether what is left of every channel is less than a step of its sensor (root mean square), where real recordings never follow the
+/// simulation down to their noise: such a rest has a shape, and is no evidence of an effect.
+fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
+    if !context.evidence.discrepancy() {
+        return false;
+    }
+    let Ok(residuals) = context.joint(&model.structure).plain_residuals(&model.fit.point) else { return false };
+    context.sets().iter().zip(&residuals).all(|(set, residual)| {
+        let width = set.width();
+        (0..width).all(|channel| {
+            let squares = residual.iter().skip(channel).step_by(width).map(|r| r * r);
+            let rmse = (squares.sum::<f64>() / (residual.len() / width).max(1) as f64).sqrt();
+            let values: Vec<f64> = set.prepared.seen.column(channel).collect();
+            lattice_step(&values).is_some_and(|step| rmse < step)
+        })
+    })
+}
+
 /// Whether the residual is no larger than the noise, by the same limit as in tuning. Of lists of events, too short for any test
 /// of shape, and of driven recordings without any effect. Not of those with one: filtered logs understate their noise, and what an effect
 /// leaves white is not held against it.
@@ -95,7 +113,8 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let residuals = weighted.as_ref().unwrap_or(&model.fit.residuals);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
     let each = context.sets().iter().zip(residuals).filter(|(set, _)| tested(set)).map(|(set, residual)| {
-        Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.nuisances.len() + share)
+        let fitted = set.prepared.nuisances.len() + share;
+        Adequacy::of(&set.prepared.seen, &set.noise, residual, (fitted, set.prepared.discrepancy))
     });
     let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
     Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
