@@ -70,6 +70,18 @@ fn is_held(joint: &Joint, point: &Point, (model, known): (&Hypothesis, usize), p
     sloped
 }
 
+/// The value at so many steps from where an effect is absent. Where the larger of both sizes is beyond the bounds, it is half way from the
+/// smaller one to the bound: a limit shows only below what is asked for.
+fn step_to((absent, step): (f64, f64), size: f64, (low, high): (f64, f64)) -> Option<f64> {
+    let within = |value: &f64| (low..=high).contains(value);
+    let value = absent + size * step;
+    if within(&value) {
+        return Some(value);
+    }
+    let smaller = Some(absent + SIZES[0] * step).filter(|smaller| size > SIZES[0] && within(smaller))?;
+    Some(smaller.midpoint(value.clamp(low, high)))
+}
+
 fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projector, left: &[f64]) -> Scored {
     let none = |excluded| Scored {
         entry,
@@ -103,10 +115,10 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
         let mut columns = Vec::new();
         for (k, global) in structure.globals.iter().enumerate().skip(known) {
             let (absent, typical) = global.absent.unwrap_or((0.0, 1.0));
-            let value = absent + sign * size * typical;
-            if value < global.parameter.min || value > global.parameter.max {
+            let Some(value) = step_to((absent, sign * typical), size, (global.parameter.min, global.parameter.max))
+            else {
                 continue;
-            }
+            };
             let mut tried = point.clone();
             tried.parameters[k] = value;
             let found = match joint.residuals(&tried, 1.0) {
@@ -168,6 +180,14 @@ mod tests {
             assert_eq!(scored[0].entry, entry(context, "viscous_friction"));
             assert!(scored[0].predicted > 0.0 && scored[0].excluded.is_none());
         });
+    }
+
+    #[test]
+    fn a_large_step_stays_within_the_bounds() {
+        let fraction = |size| step_to((1.0, -0.3), size, (0.02, 1.0));
+        assert_eq!((fraction(1.0), fraction(4.0)), (Some(0.7), Some(0.36)));
+        assert_eq!(step_to((1.0, 0.3), 4.0, (0.02, 1.0)), None);
+        assert_eq!(step_to((0.0, 0.1), 4.0, (0.0, 2.0)), Some(0.4));
     }
 
     /// With an effect in the place of parameters, the effect itself is one of them.
