@@ -188,7 +188,7 @@ pub fn hdf5(bytes: &[u8]) {
 
 /// Arrays of NumPy, in an archive or alone.
 pub fn npz(bytes: &[u8]) {
-    for name in ["a.npz", "a.npy"] {
+    for name in ["a.npz", "a.npy", "a.mat"] {
         let path = file(name, bytes);
         let _ = contents_with(&path, &ReadOptions::default());
         let columns = vec![("t_s".into(), "1".into()), ("z_m".into(), "2".into())];

@@ -24,6 +24,8 @@ pub(crate) enum Format {
     Npy,
     /// Several arrays of NumPy.
     Npz,
+    /// Variables of MATLAB, versions 5 to 7.
+    Mat,
 }
 
 /// The mark of an SQLite database, and how the names of bags that are compressed end.
@@ -32,13 +34,14 @@ const PACKED_BAG: &str = ".db3.zstd";
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 const NUMPY: &[u8] = b"\x93NUMPY";
 const ZIP: &[u8] = b"PK\x03\x04";
+const MATLAB: &[u8] = b"MATLAB 5.0";
 const PARQUET: &[u8] = b"PAR1";
 const PACKED_MCAP: &str = ".mcap.zstd";
 
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
-const OTHERS: [(usize, &[u8], &str, &str); 12] = [
+const OTHERS: [(usize, &[u8], &str, &str); 11] = [
     (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
     (0, ZIP, "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
     (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
@@ -50,26 +53,23 @@ const OTHERS: [(usize, &[u8], &str, &str); 12] = [
     (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
     (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
     (0, b"MATLAB 7.3", "a MATLAB file (version 7.3)", MATLAB_73),
-    (0, b"MATLAB 5.0", "a MATLAB file (version 5 to 7)", MATLAB_5),
 ];
 
 /// How files end that are no texts, and what they are: one without its mark is broken.
-const NAMED: [(&str, &str); 6] = [
+const NAMED: [(&str, &str); 7] = [
     ("db3", "a bag of ROS 2 in SQLite"),
     ("hdf5", "an HDF5 file"),
     ("h5", "an HDF5 file"),
     ("parquet", "a Parquet file"),
     ("npz", "an archive of NumPy arrays"),
     ("npy", "an array of NumPy"),
+    ("mat", "a MATLAB file"),
 ];
 
 /// What makes columns of the variables of a MATLAB file: a table by MATLAB itself, or arrays by Python.
 const MATLAB_73: &str = "write them as arrays of NumPy: `python3 -c \"import h5py, numpy; f = h5py.File('log.mat'); \
     numpy.savez('log.npz', **{k: v[()].T.squeeze() for k, v in f.items() if isinstance(v, h5py.Dataset)})\"`, or as CSV in \
     MATLAB: `writetable(table(t_s, z_m), 'log.csv')`";
-const MATLAB_5: &str = "write its variables as arrays of NumPy: `python3 -c \"import numpy, scipy.io; \
-    f = scipy.io.loadmat('log.mat', squeeze_me=True); numpy.savez('log.npz', **{k: v for k, v in f.items() if k[0] != '_'})\"`, \
-    or as CSV in MATLAB: `writetable(table(t_s, z_m), 'log.csv')`";
 
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
 pub(crate) fn format(path: &Path) -> Result<Format> {
@@ -97,6 +97,9 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     }
     if start.starts_with(ZIP) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
         return with_logs(path, "arrays of NumPy", Format::Npz);
+    }
+    if start.starts_with(MATLAB) {
+        return with_logs(path, "a MATLAB file", Format::Mat);
     }
     if start.starts_with(ZSTD) && name.ends_with(PACKED_MCAP) {
         return with_logs(path, "an MCAP file, compressed as a whole", Format::PackedMcap);

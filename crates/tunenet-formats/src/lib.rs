@@ -14,7 +14,7 @@
 //! | `ros` | ROS 2 and JSON messages, joints, stamps |
 //! | `log` | files of a log, topics of a log, and the series of one of them |
 //! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
-//! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
+//! | `hdf5`, `npz`, `mat`, `arrays` | demonstrations in HDF5; arrays of NumPy, variables of MATLAB, and the columns that they make |
 //! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
 //! | `kept` | what was read last of files that have not changed |
 //! | `units`, `unstated`, `proposal`, `calibration`, `unit_misfit` | units of columns whose file states none |
@@ -27,6 +27,8 @@
 //! | `contents` | the listing |
 //! | `error` | what a file refuses, with its place and a hint |
 
+#[cfg(feature = "logs")]
+mod arrays;
 mod atomic;
 #[cfg(feature = "logs")]
 mod bag;
@@ -49,6 +51,8 @@ mod kept;
 #[cfg(feature = "logs")]
 mod lerobot;
 mod log;
+#[cfg(feature = "logs")]
+mod mat;
 mod mcap;
 mod model;
 #[cfg(feature = "logs")]

@@ -10,6 +10,8 @@ use crate::hdf5::Demonstrations;
 use crate::lerobot::DataSet;
 use crate::log::files as log_files;
 #[cfg(feature = "logs")]
+use crate::mat;
+#[cfg(feature = "logs")]
 use crate::npz;
 #[cfg(feature = "logs")]
 use crate::parquet::Parquet;
@@ -28,6 +30,7 @@ pub(crate) fn table(path: &Path, format: Format) -> Result<Sheet> {
         Format::Parquet => Parquet::open(path)?.sheet(),
         Format::Npy => npz::single(path),
         Format::Npz => npz::several(path),
+        Format::Mat => mat::table(path),
         Format::Csv | Format::Mcap | Format::PackedMcap | Format::Bag | Format::Hdf5 => Err(unread(path)),
     }
 }
@@ -137,7 +140,7 @@ pub(crate) fn no_recording(folder: &Path) -> Error {
 }
 
 /// How the names of recordings end.
-const ENDINGS: [&str; 9] = [".csv", ".mcap", ".db3", ".hdf5", ".h5", ".parquet", ".npz", ".npy", ".zstd"];
+const ENDINGS: [&str; 10] = [".csv", ".mcap", ".db3", ".hdf5", ".h5", ".parquet", ".npz", ".npy", ".mat", ".zstd"];
 
 /// Files in a folder and the folders below it, as many as show what it is.
 fn some_files(folder: &Path) -> Vec<PathBuf> {

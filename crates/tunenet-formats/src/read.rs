@@ -50,7 +50,7 @@ pub fn refuse_unused_options(path: impl AsRef<Path>, options: &ReadOptions) -> R
         None => "the data set, which states its rate,",
         Some(Format::Mcap | Format::PackedMcap | Format::Bag) => "the log",
         Some(Format::Csv) => "the text file",
-        Some(Format::Parquet | Format::Npy | Format::Npz) => "the table",
+        Some(Format::Parquet | Format::Npy | Format::Npz | Format::Mat) => "the table",
     };
     if options.rate_hz.is_some() {
         return refuse("rate", "an HDF5 file, which may have no column of times", what);

@@ -2,75 +2,46 @@
 
 use std::io::Read;
 
+use crate::arrays::{Array, Item, WIDEST, numbers};
 use crate::recording::MOST_NUMBERS;
 
 /// Longest header, in bytes.
 const LONGEST_HEADER: usize = 1 << 16;
 
-/// Most columns of an array.
-const WIDEST: usize = 4_096;
-
-/// Bytes that are read at a time.
-const PIECE: usize = 1 << 16;
-
-/// A table of numbers.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Array {
-    pub rows: usize,
-    pub width: usize,
-    /// Whether it is a list, not rows.
-    pub flat: bool,
-    /// The names of its columns, where it is one of records.
-    pub names: Vec<String>,
-    /// Row by row.
-    pub values: Vec<f64>,
-}
-
-/// A number as it is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Item {
-    /// `f`, `i`, `u` or `b`.
-    kind: u8,
-    bytes: usize,
-    big: bool,
-}
-
-impl Array {
-    /// Reads an array.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    pub fn read(mut from: impl Read) -> Result<Self, String> {
-        let header = header(&mut from)?;
-        let (items, names) = items(value(&header, "descr").ok_or("expected `descr` in the header, found none")?)?;
-        let fortran = value(&header, "fortran_order").is_some_and(|text| text.starts_with("True"));
-        let shape = shape(value(&header, "shape").ok_or("expected `shape` in the header, found none")?)?;
-        let (rows, columns, flat) = match shape.as_slice() {
-            [rows] => (*rows, 1, true),
-            [rows, columns] => (*rows, *columns, false),
-            other => return Err(format!("expected a list or rows of numbers, found {} dimensions", other.len())),
-        };
-        let width = columns.saturating_mul(items.len());
-        let count = rows.checked_mul(width).filter(|count| *count <= MOST_NUMBERS && width <= WIDEST);
-        let count = count
-            .ok_or_else(|| format!("expected at most {MOST_NUMBERS} numbers in {WIDEST} columns, found {shape:?}"))?;
-        if width == 0 {
-            return Err(format!("expected at least one column, found the shape {shape:?}"));
-        }
-        if !names.is_empty() && !flat {
-            return Err("expected a list of records, found rows of them".into());
-        }
-        let values = numbers(from, &items, count)?;
-        let values = if fortran && !flat {
-            (0..rows)
-                .flat_map(|row| (0..columns).map(move |column| (row, column)))
-                .map(|(r, c)| values[c * rows + r])
-                .collect()
-        } else {
-            values
-        };
-        Ok(Self { rows, width, flat, names, values })
+/// Reads an array.
+///
+/// # Errors
+/// What is wrong with it.
+pub(super) fn read(mut from: impl Read) -> Result<Array, String> {
+    let header = header(&mut from)?;
+    let (items, names) = items(value(&header, "descr").ok_or("expected `descr` in the header, found none")?)?;
+    let fortran = value(&header, "fortran_order").is_some_and(|text| text.starts_with("True"));
+    let shape = shape(value(&header, "shape").ok_or("expected `shape` in the header, found none")?)?;
+    let (rows, columns, flat) = match shape.as_slice() {
+        [rows] => (*rows, 1, true),
+        [rows, columns] => (*rows, *columns, false),
+        other => return Err(format!("expected a list or rows of numbers, found {} dimensions", other.len())),
+    };
+    let width = columns.saturating_mul(items.len());
+    let count = rows.checked_mul(width).filter(|count| *count <= MOST_NUMBERS && width <= WIDEST);
+    let count =
+        count.ok_or_else(|| format!("expected at most {MOST_NUMBERS} numbers in {WIDEST} columns, found {shape:?}"))?;
+    if width == 0 {
+        return Err(format!("expected at least one column, found the shape {shape:?}"));
     }
+    if !names.is_empty() && !flat {
+        return Err("expected a list of records, found rows of them".into());
+    }
+    let values = numbers(from, &items, count)?;
+    let values = if fortran && !flat {
+        (0..rows)
+            .flat_map(|row| (0..columns).map(move |column| (row, column)))
+            .map(|(r, c)| values[c * rows + r])
+            .collect()
+    } else {
+        values
+    };
+    Ok(Array { rows, width, flat, names, values })
 }
 
 /// The header as text.
@@ -142,43 +113,4 @@ fn item(text: &str) -> Result<Item, String> {
         _ => false,
     };
     if known { Ok(Item { kind, bytes, big: order == Some('>') }) } else { Err(refuse()) }
-}
-
-/// So many numbers, read piece by piece: what a header promises is not set aside before it comes.
-fn numbers(mut from: impl Read, items: &[Item], count: usize) -> Result<Vec<f64>, String> {
-    let record: usize = items.iter().map(|item| item.bytes).sum();
-    let records = count / items.len();
-    let mut values = Vec::new();
-    let mut left = records;
-    let mut piece = vec![0; (PIECE / record).max(1) * record];
-    while left > 0 {
-        let now = left.min(piece.len() / record);
-        let bytes = &mut piece[..now * record];
-        from.read_exact(bytes)
-            .map_err(|_| format!("the array is cut off: expected {count} numbers, found {}", values.len()))?;
-        for one in bytes.chunks_exact(record) {
-            let mut at = 0;
-            for item in items {
-                values.push(number(&one[at..at + item.bytes], *item));
-                at += item.bytes;
-            }
-        }
-        left -= now;
-    }
-    Ok(values)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "as many bits as were read are reinterpreted")]
-fn number(bytes: &[u8], item: Item) -> f64 {
-    let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
-    let bits = if item.big { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) };
-    match (item.kind, item.bytes) {
-        (b'f', 4) => f64::from(f32::from_bits(bits as u32)),
-        (b'f', _) => f64::from_bits(bits),
-        (b'i', 1) => f64::from((bits as u8).cast_signed()),
-        (b'i', 2) => f64::from((bits as u16).cast_signed()),
-        (b'i', 4) => f64::from((bits as u32).cast_signed()),
-        (b'i', _) => bits.cast_signed() as f64,
-        _ => bits as f64,
-    }
 }

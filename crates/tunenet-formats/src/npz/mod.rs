@@ -10,24 +10,17 @@ use std::path::Path;
 use flate2::read::DeflateDecoder;
 use zip::CompressionMethod;
 
-use self::array::Array;
-use crate::findings;
+use crate::arrays::{Array, sheet};
 use crate::recording::MOST_NUMBERS;
-use crate::sheet::{Sheet, most_common_rows};
-use crate::shown::list;
+use crate::sheet::Sheet;
 use crate::source::open;
 use crate::{Error, Result};
-use tunenet_core::observation::{FEWEST_SAMPLES, Note};
-use tunenet_core::text::visible;
 
 /// The mark at the start of an array.
 const MARK: &[u8] = b"\x93NUMPY";
 
 /// Most arrays of a file.
 const MOST_ARRAYS: usize = 10_000;
-
-/// Most arrays that a note names.
-const MOST_NAMED: usize = 6;
 
 /// How `numpy.savez_compressed` packs, by its number: the crate is built without it.
 #[expect(deprecated, reason = "the crate has no other name for a method that it does not unpack itself")]
@@ -41,7 +34,7 @@ const AGAIN: &str = "copy the file again, or save it again with `numpy.savez`";
 /// # Errors
 /// [`Error::File`] where it is broken, or no table of numbers.
 pub(crate) fn single(path: &Path) -> Result<Sheet> {
-    let array = Array::read(BufReader::new(open(path)?)).map_err(|why| Error::file(path, why, AGAIN))?;
+    let array = array::read(BufReader::new(open(path)?)).map_err(|why| Error::file(path, why, AGAIN))?;
     if array.names.is_empty() {
         let names = vec![String::new(); array.width];
         return Ok(Sheet { names, values: array.values, unnamed: true, ..Sheet::default() });
@@ -67,8 +60,8 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
         // A number takes eight bytes at most, so that no more is unpacked than may be read.
         let most = 16 * MOST_NUMBERS as u64;
         let read = match entry.compression() {
-            CompressionMethod::Stored => Array::read(entry.take(most)),
-            DEFLATED => Array::read(DeflateDecoder::new(entry).take(most)),
+            CompressionMethod::Stored => array::read(entry.take(most)),
+            DEFLATED => array::read(DeflateDecoder::new(entry).take(most)),
             other => Err(format!("expected an array stored or deflated, found {other}")),
         };
         match read {
@@ -82,38 +75,7 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
             return Err(broken(format!("expected at most {MOST_NUMBERS} numbers, found more")));
         }
     }
-    let Some(rows) = most_common_rows(arrays.iter().map(|(_, array)| array.rows)) else {
-        let why = list(refused.iter().map(String::as_str), 3);
-        let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none ({why})");
-        return Err(Error::file(path, message, "save the series as arrays of numbers"));
-    };
-    let other =
-        |(name, array): &(String, Array)| (array.rows != rows).then(|| format!("`{name}`: {} rows", array.rows));
-    refused.extend(arrays.iter().filter_map(other));
-    arrays.retain(|(_, array)| array.rows == rows);
-    let notes = left_out(&refused, rows).into_iter().collect();
-    let mut names = Vec::new();
-    for (name, array) in &arrays {
-        match (array.names.as_slice(), array.flat) {
-            ([], true) => names.push(name.clone()),
-            ([], false) => names.extend((0..array.width).map(|i| format!("{name}.{i}"))),
-            (fields, _) => names.extend(fields.iter().map(|field| format!("{name}.{field}"))),
-        }
-    }
-    let row =
-        |row: usize| arrays.iter().flat_map(move |(_, a)| a.values[row * a.width..(row + 1) * a.width].iter().copied());
-    let values = (0..rows).flat_map(row).collect();
-    Ok(Sheet { names, values, notes, ..Sheet::default() })
-}
-
-/// Which arrays of a file are no columns, and why.
-fn left_out(refused: &[String], rows: usize) -> Option<Note> {
-    let mut all = refused.iter().take(MOST_NAMED).map(|one| visible(one)).collect::<Vec<_>>().join("; ");
-    if refused.len() > MOST_NAMED {
-        all += &format!("; and {} more", refused.len() - MOST_NAMED);
-    }
-    let text = format!("arrays that are no columns of numbers with {rows} rows: {all}");
-    (!refused.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "save them as such if they matter"))
+    sheet(path, arrays, refused)
 }
 
 #[cfg(test)]
