@@ -231,8 +231,13 @@ fn other_kinds_of_files_under_the_name_of_a_table() {
 fn documents_are_named_instead_of_their_columns() {
     let folder = Folder::with_scene();
     for (name, start, found, remedy) in [
-        ("a.csv", "<?xml version=\"1.0\"?>\n<!-- a, b -->\n<robot name=\"arm\">\n</robot>\n", "a URDF", "`tunenet init robot --model FILE`"),
-        ("a.xml", "<mujoco model=\"arm\">\n</mujoco>\n", "a MuJoCo model", "`tunenet init process`"),
+        (
+            "a.csv",
+            "<?xml version=\"1.0\"?>\n<!-- a, b -->\n<robot name=\"arm\">\n</robot>\n",
+            "a URDF",
+            "`tunenet init robot --model FILE`",
+        ),
+        ("a.xml", "<mujoco model=\"arm\">\n</mujoco>\n", "a MuJoCo model", "`tunenet init robot --model FILE`"),
         ("a.json", "{\n  \"fps\": 30,\n  \"rows\": 2\n}\n", "a JSON document", "export the series as CSV"),
         ("a.html", "<!DOCTYPE html>\n<html></html>\n", "an HTML page", "download the file itself"),
         ("README.md", "# Drops\n\nRecorded in May, at 120 Hz.\n", "a Markdown document", "give the recording"),

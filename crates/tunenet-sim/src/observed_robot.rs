@@ -187,18 +187,15 @@ fn model(file: &SimulationFile) -> Result<Model> {
     chain(file, &whole)
 }
 
-/// The same of a model that was read.
+/// The same of a model that was read. Its joints have the names of the file.
 pub(crate) fn chain(file: &SimulationFile, whole: &Model) -> Result<Model> {
-    let names: Vec<String> = whole.joints().iter().map(|joint| joint.name.clone()).collect();
+    let names: Vec<&str> = whole.joints().into_iter().map(|joint| joint.name.as_str()).collect();
     let mut kept = Vec::new();
-    for name in file.robot()?.joints.keys() {
-        let Some(at) = names.iter().position(|known| known == name) else {
-            let message = format!("`joints.{name}`: expected a joint of the model ({}), found none", names.join(", "));
-            return Err(Error::file(file.path(), message, "name the table as the model names the joint"));
-        };
-        kept.push(at);
+    for key in file.robot()?.joints.keys() {
+        let name = model_file::named(file, whole, key)?;
+        kept.extend(names.iter().position(|known| *known == name));
     }
-    Ok(whole.keep(&kept))
+    Ok(model_file::keyed(whole.clone()).keep(&kept))
 }
 
 /// The joints of the file in the order of the model.

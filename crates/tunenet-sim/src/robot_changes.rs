@@ -52,16 +52,18 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
     let values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
     let joints = driven_joints(&rig.joints, &roles(&parameters, &order), &values, &imperfect);
     let motors = described.as_ref().map(stated_motors).unwrap_or_default();
+    let names = order.iter().map(|(key, _)| model_file::named(file, &whole, key)).collect::<Result<Vec<&str>>>()?;
     let mut found =
         RobotChanges { changes: Vec::new(), left: Vec::new(), whole: of_whole(&present), servos: Vec::new() };
     for (place, (name, scene)) in order.iter().enumerate() {
         let is_parameter = |number: &str| parameters.iter().any(|one| one.name == format!("{name}{BETWEEN}{number}"));
         let one = OneJoint {
             name,
+            in_model: names[place],
             place,
             numbers: &joints[place],
             of_model: &rig.joints[place],
-            motor: motors.iter().find(|motor| motor.joint == *name),
+            motor: motors.iter().find(|motor| motor.joint == names[place]),
             intervals,
             is_parameter: &is_parameter,
             present: &present,
@@ -77,7 +79,7 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
                 // With what the effects of the gain make of it.
                 error_gain: Some(joints[place].gain * joints[place].kp / scene.kp).filter(|gain| gain.is_finite()),
             };
-            found.servos.push(((*name).to_owned(), servo));
+            found.servos.push((names[place].to_owned(), servo));
         }
     }
     if found.changes.is_empty() {
@@ -108,6 +110,8 @@ fn of_whole(present: &[PresentRobotEffect]) -> Vec<Whole> {
 /// A joint with all that its numbers come from.
 struct OneJoint<'a> {
     name: &'a str,
+    /// What the model calls it.
+    in_model: &'a str,
     place: usize,
     numbers: &'a JointNumbers,
     /// The numbers before parameters and effects.
@@ -120,7 +124,7 @@ struct OneJoint<'a> {
 
 impl OneJoint<'_> {
     fn add(&self, found: &mut RobotChanges, quantity: Quantity, value: f64, interval: Option<[f64; 2]>) {
-        let change = Change { joint: self.name.to_owned(), quantity, value, interval };
+        let change = Change { joint: self.in_model.to_owned(), quantity, value, interval };
         if value < 0.0 && !quantity.signed() {
             let why = "a number below 0 is no property of a mechanism: model files and simulators refuse it".into();
             found.left.push(Left { change, why });
@@ -149,10 +153,12 @@ impl OneJoint<'_> {
             Drive::Velocity => self.add(found, Quantity::VelocityGain, stall * gain * kp, scaled(gain * kp)),
             Drive::Torque | Drive::Voltage => {}
         }
-        if drive.has_duty() || drive == Drive::Torque && stall > 0.0 {
+        // What the model does not limit gets a limit only where one was found.
+        let limited = duty_max < 1.0 || self.motor.is_none_or(|motor| motor.limited);
+        if limited && (drive.has_duty() || drive == Drive::Torque && stall > 0.0) {
             self.add(found, Quantity::TorqueLimit, stall * duty_max, scaled(duty_max));
         }
-        if drive.has_duty() {
+        if limited && drive.has_duty() {
             self.add(found, Quantity::StallTorque, stall, own);
         }
     }

@@ -8,6 +8,7 @@ use crate::recording::{ReadOptions, Role};
 use crate::ros::message::{NOTHING, NUMBERS};
 use crate::shown::{list, shell_word};
 use crate::{Error, Result};
+use tunenet_core::observation::Kind;
 
 /// Most topics that a message names.
 const MOST_NAMED: usize = 6;
@@ -23,7 +24,13 @@ pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], options: &ReadOptions
         Role::Predicted | Role::Starting => format!("try `--topic {}`", shell_word(&topic.name)),
         Role::Driving => format!("write `topic = {:?}` into the input's table", topic.name),
     };
-    let try_one = || usable.first().map_or(String::new(), how);
+    // Of joints, what was measured comes more often than what was commanded.
+    let likely = || {
+        let joints = usable.iter().filter(|topic| topic.usable == Ok(Kind::Joints) && !topic.is_command());
+        let often = joints.max_by_key(|topic| (topic.messages, std::cmp::Reverse(&topic.name)));
+        often.filter(|_| role != Role::Driving).or(usable.first())
+    };
+    let try_one = || likely().map_or(String::new(), how);
     if let Some(asked) = asked {
         if let Some(topic) = usable.iter().find(|topic| topic.name == asked) {
             return Ok(topic);

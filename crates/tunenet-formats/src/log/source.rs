@@ -19,6 +19,7 @@ pub(crate) enum Wanted {
     /// The first of each topic.
     First,
     /// All of a topic.
+    #[cfg_attr(not(feature = "logs"), expect(dead_code, reason = "only bags leave bytes unread"))]
     Topic(Topic),
 }
 
@@ -51,6 +52,7 @@ struct Mcap {
 }
 
 impl One {
+    #[cfg_attr(not(feature = "logs"), expect(unused_variables, reason = "only bags leave bytes unread"))]
     fn open(path: &Path, given: &Given, wanted: &Wanted) -> Result<Self> {
         match format(path)? {
             Format::Mcap => Ok(Self::Mcap(Mcap {

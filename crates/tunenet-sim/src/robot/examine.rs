@@ -28,6 +28,12 @@ const RESTING: f64 = 6.0;
 const STILL_STEPS: f64 = 3.0;
 /// Commands that move more than so many times as far as the joint are in another unit: degrees are 57 times as many.
 const OTHER_UNIT: f64 = 20.0;
+/// A joint that moves so many times as far as its commands, or the reverse, within this share, is in another unit than they are, where they
+/// explain so much of its variance at one of so many lags.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+const NEAR_DEGREES: f64 = 0.25;
+const FOLLOWS: f64 = 0.8;
+const FOLLOWING_LAGS: u32 = 25;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
@@ -207,6 +213,18 @@ fn position(
         let remedy = "name the column of commands with its unit (goal_deg), or convert it";
         return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
     }
+    if let Some(share) = following(seen.clock(), &values, |t| command.at(0, t))
+        && [share, share.recip()].iter().any(|share| (share / DEGREES - 1.0).abs() < NEAR_DEGREES)
+    {
+        let (further, which) = if share > 1.0 { (share, "moves") } else { (share.recip(), "is commanded") };
+        let other = if share > 1.0 { "is commanded" } else { "moves" };
+        let text = format!(
+            "`{name}` {which} {} times as far as it {other}: expected one unit, found two (degrees and radians?)",
+            with_decimals(further, 1)
+        );
+        let remedy = "state the unit of the commands and that of the positions, each as it was recorded";
+        return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
+    }
     let resolution = encoder_step(&values).max(1e-6);
     if commanded > 10.0 * resolution && goals.iter().zip(&values).all(|(goal, q)| (goal - q).abs() <= resolution) {
         let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
@@ -220,6 +238,24 @@ fn position(
         let remedy = "give both the same clock; a command that comes after the motion that it causes explains nothing";
         (Note::new(findings::ROBOT_CLOCK, text, remedy), false)
     })
+}
+
+/// How far a joint moves for each rad of its commands, where it follows them at all: by least squares at the lag with the greatest
+/// correlation.
+fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
+    let centred = |all: Vec<f64>| {
+        let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+        all.into_iter().map(|v| v - mean).collect::<Vec<f64>>()
+    };
+    let seen = centred(values.to_vec());
+    let at_lag = |lag: f64| {
+        let goals = centred(clock.iter().map(|t| command(t - lag)).collect());
+        let (both, goal, own) = (dot(&goals, &seen), dot(&goals, &goals), dot(&seen, &seen));
+        (goal > 0.0 && own > 0.0).then(|| (both.max(0.0).powi(2) / (goal * own), both / goal))
+    };
+    let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
+    let best = lags.filter_map(at_lag).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 > FOLLOWS).then_some(best.1)
 }
 
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
@@ -265,6 +301,18 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_joint_that_follows_shows_in_which_unit_its_commands_are() {
+        let clock: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
+        let goal = |t: f64| (3.0 * t).sin();
+        let late = |scale: f64| clock.iter().map(|t| scale * 0.9 * goal(t - 0.1)).collect::<Vec<f64>>();
+        let found = following(&clock, &late(DEGREES), goal).unwrap();
+        assert!((found / (0.9 * DEGREES) - 1.0).abs() < 0.02, "{found}");
+        assert!((following(&clock, &late(1.0), goal).unwrap() - 0.9).abs() < 0.02);
+        let swings: Vec<f64> = clock.iter().map(|t| 40.0 * (11.0 * t).cos()).collect();
+        assert_eq!(following(&clock, &swings, goal), None);
+    }
 
     #[test]
     fn a_glitch_jumps_and_a_fast_motion_does_not() {

@@ -14,6 +14,7 @@
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `layout` | what parameters, channels and inputs mean |
 //! | `rig` | the chain with its loads |
+//! | `observable_zero` | which joints show where their zero is |
 //! | `stated_gravity` | the gravity of an MJCF |
 //! | `stated_motor` | what an MJCF says of the motors of its joints |
 //! | `examine` | what is wrong with a recording |
@@ -30,6 +31,7 @@ pub(crate) mod imperfect;
 pub(crate) mod layout;
 mod model;
 pub(crate) mod numbers;
+mod observable_zero;
 mod one_joint;
 pub(crate) mod rig;
 mod signal;
@@ -45,5 +47,6 @@ mod tests;
 pub use model::RobotModel;
 pub(crate) use model::driven_joints;
 pub use numbers::Drive;
+pub use observable_zero::observable_zeros;
 pub use stated_gravity::{StatedGravity, stated_gravity};
 pub use stated_motor::{StatedMotor, stated_motors};

@@ -7,6 +7,11 @@ use tunenet_models::{Joint, Law, Motion, Robot, Target};
 
 use super::numbers::Drive;
 
+/// The error at which a servo without a limit would be at full duty: more rad or m than any joint is away from its goal, and more
+/// rad/s or m/s.
+const UNLIMITED: f64 = 10.0;
+const UNLIMITED_SPEED: f64 = 100.0;
+
 /// The motor of a joint, of which the model states at least something. SI units; of a sliding joint N for N·m and m for rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedMotor {
@@ -19,8 +24,11 @@ pub struct StatedMotor {
     pub gain: Option<f64>,
     /// Duty for each rad/s within the firmware.
     pub kd: f64,
-    /// Torque at full duty and rest, N·m; `None` where the model does not limit it.
+    /// Torque at full duty and rest, N·m; of a servo without a limit, that of an error that no joint has. `None` of a torque drive
+    /// that the model does not limit.
     pub stall_torque: Option<f64>,
+    /// Whether the model limits the torque.
+    pub limited: bool,
     /// Least and greatest command, in the unit of the joint; `None` where it is not limited.
     pub command_range: Option<[f64; 2]>,
     /// Viscous friction with the braking by the motor, N·m·s/rad.
@@ -52,6 +60,7 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
         gain: None,
         kd: 0.0,
         stall_torque: joint.effort_range.map(largest).filter(|torque| *torque > 0.0),
+        limited: true,
         command_range: None,
         damping: joint.damping,
         friction: joint.friction,
@@ -64,16 +73,16 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
         (Some(of_joint), Some(own)) => Some(of_joint.min(own)),
         (of_joint, own) => of_joint.or(own),
     };
+    motor.limited = motor.stall_torque.is_some();
     let Law::Affine { gain, bias: [constant, by_length, by_speed] } = actuator.law else { return motor };
     if let Some([kp, kv]) = actuator.position_gains() {
-        // Without a limit, an error of 1 rad asks for full duty.
-        let stall = *motor.stall_torque.get_or_insert(kp * gear * gear);
+        let stall = *motor.stall_torque.get_or_insert(UNLIMITED * kp * gear * gear);
         motor.gain = Some(kp * gear * gear / stall);
         motor.kd = kv * gear * gear / stall;
         motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
     } else if gain > 0.0 && by_speed == -gain && (constant, by_length) == (0.0, 0.0) {
         motor.drive = Drive::Velocity;
-        let stall = *motor.stall_torque.get_or_insert(gain * gear * gear);
+        let stall = *motor.stall_torque.get_or_insert(UNLIMITED_SPEED * gain * gear * gear);
         motor.gain = Some(gain * gear * gear / stall);
         motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
     } else if gain != 0.0 && (constant, by_length, by_speed) == (0.0, 0.0, 0.0) {
@@ -119,14 +128,14 @@ mod tests {
     }
 
     #[test]
-    fn gears_count_and_what_is_unlimited_saturates_at_one_radian() {
+    fn gears_count_and_what_is_unlimited_never_saturates() {
         let all = motors(
             "<position joint='a' kp='2' gear='-3' ctrlrange='-1 2'/><position joint='b' kp='10' forcerange='-5 5'/>",
         );
-        assert_eq!((all[0].gain, all[0].stall_torque), (Some(1.0), Some(18.0)));
+        assert_eq!((all[0].gain, all[0].stall_torque, all[0].limited), (Some(0.1), Some(180.0), false));
         assert_eq!(all[0].command_range, Some([-2.0 / 3.0, 1.0 / 3.0]));
         // The lesser of both limits.
-        assert_eq!((all[1].gain, all[1].stall_torque), (Some(5.0), Some(2.0)));
+        assert_eq!((all[1].gain, all[1].stall_torque, all[1].limited), (Some(5.0), Some(2.0), true));
     }
 
     #[test]

@@ -6,8 +6,9 @@ use super::domain::Domain;
 use super::robot_schema::{BETWEEN, SAMPLES};
 use super::schema::{Definition, is_name};
 use super::template::{keys, line, parameter};
+use crate::arm::effects::Imperfections;
 use crate::arm::{Joint, JointKind, Model};
-use crate::robot::{Drive, StatedGravity, StatedMotor};
+use crate::robot::{Drive, StatedGravity, StatedMotor, observable_zeros};
 
 /// Where a log has the numbers of a joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,10 +76,11 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
         text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
     }
     let drive = |joint: &&Joint| start.motor(&joint.name).map_or(Drive::Position, |motor| motor.drive);
-    let one_gain = start.columns.is_some() && !named.is_empty() && named.iter().all(|j| drive(j) == Drive::Position);
+    let one_gain = start.columns.is_some() && !named.is_empty() && named.iter().all(|joint| drive(joint).has_duty());
     if one_gain {
         text = with_tuned_gains(text, named.len());
     }
+    let shown = shown_zeros(model, start);
     for joint in &named {
         let motor = start.motor(&joint.name);
         for known in SAMPLES {
@@ -96,13 +98,22 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             }
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some();
-            let held = (number == "back_emf" && together) || (number == "stall_torque" && one_gain);
+            let hidden = number == "zero" && !shown.contains(&joint.name.as_str());
+            let held = (number == "back_emf" && together) || (number == "stall_torque" && one_gain) || hidden;
             let tune = known.tune && !held;
             let own = Definition { unit: unit_of(joint, known.unit), ..*known };
             parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), &own);
         }
     }
     text
+}
+
+/// The joints that show where their zero is.
+fn shown_zeros<'m>(model: &'m Model, start: &RobotStart) -> Vec<&'m str> {
+    let stated = start.gravity.unwrap_or(StatedGravity { size_m_s2: 9.81, base_tilt_rad: [0.0; 2] });
+    let base = Imperfections { tilt_rad: stated.base_tilt_rad, ..Imperfections::none(0) };
+    let shows = observable_zeros(model, base.gravity(stated.size_m_s2));
+    model.joints().into_iter().zip(shows).filter_map(|(joint, shows)| shows.then_some(joint.name.as_str())).collect()
 }
 
 /// The unit of a hinge's number for this joint.

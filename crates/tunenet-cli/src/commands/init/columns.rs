@@ -5,6 +5,7 @@ use tunenet_core::observation::{Note, plain};
 use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin};
 use tunenet_formats::Episodes;
+use tunenet_sim::arm::model_file::key_of;
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
 use tunenet_sim::simulation_file::{JointColumns, is_name};
@@ -12,7 +13,7 @@ use tunenet_sim::simulation_file::{JointColumns, is_name};
 use crate::args::Init;
 
 /// What stands before the name of a joint where a column has its command.
-const ACTION: &str = "action.";
+pub const ACTION: &str = "action.";
 /// Most names that a message lists.
 const MOST_LISTED: usize = 12;
 
@@ -27,7 +28,7 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
     };
     let there = |name: &str| found.columns.iter().any(|column| column.name == name);
     for (joint, column) in &options.joints {
-        if !joints.iter().any(|known| known.name == *joint) {
+        if !joints.iter().any(|known| is_called(known, joint)) {
             let names = listed(joints.iter().map(|joint| joint.name.as_str()));
             return refuse(format!("a joint of the model ({names})"), format!("`{}`", visible(joint)));
         }
@@ -47,7 +48,7 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
         return refuse("each column for one joint".into(), format!("`{}` for several", visible(two[0])));
     }
     let one = |joint: &&Joint| {
-        let mapped = options.joints.iter().find(|(name, _)| *name == joint.name).map(|(_, column)| column.clone());
+        let mapped = options.joints.iter().find(|(name, _)| is_called(joint, name)).map(|(_, column)| column.clone());
         let same = |name: &str| name == joint.name || plain(name) == plain(&joint.name);
         let state = mapped.or_else(|| found.columns.iter().map(|c| c.name.clone()).find(|name| same(name)))?;
         let (state, command) = match state.split_once(':') {
@@ -68,6 +69,11 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
         );
     }
     Ok(all)
+}
+
+/// Whether a name is that of the joint, or what the model calls it.
+fn is_called(joint: &Joint, name: &str) -> bool {
+    joint.name == name || joint.name == key_of(name)
 }
 
 /// That joints of the model are not in the recording.
@@ -93,12 +99,11 @@ pub fn unnameable(model: &Model) -> Result<Option<Note>> {
     }
     let names = listed(others.iter().map(|joint| joint.name.as_str()));
     if named.is_empty() {
-        let expected = "joints whose names are letters, digits and `_`, with no digit in front".into();
+        let expected = "joints whose names differ in letters, digits and `_`".into();
         return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
     }
-    let text = format!(
-        "joints whose names are no keys of a file (letters, digits and `_`, with no digit in front) are held at 0: {names}"
-    );
+    let text =
+        format!("joints whose names become the same key of a file (letters, digits and `_`) are held at 0: {names}");
     Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
 }
 

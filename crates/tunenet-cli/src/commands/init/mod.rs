@@ -1,6 +1,7 @@
 //! `tunenet init`.
 
 mod columns;
+mod flags;
 mod limits;
 mod robot;
 

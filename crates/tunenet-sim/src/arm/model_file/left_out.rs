@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
-use tunenet_models::{Actuator, Changes, Joint, Robot, Target};
+use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target};
 
 use crate::findings;
 
@@ -68,12 +68,8 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     kinds.sort();
     kinds.dedup();
     let drives = robot.actuators.len();
-    if drives > 0 {
-        let instead = match driven {
-            Driven::Torques => "the recorded torques drive the joints",
-            Driven::Commands => "the simulation file describes the motors",
-        };
-        kinds.push(format!("{drives} actuators ({instead})"));
+    if drives > 0 && driven == Driven::Torques {
+        kinds.push(format!("{drives} actuators (the recorded torques drive the joints)"));
     }
     if !kinds.is_empty() {
         let text = format!("left out of the model file, without effect on torques: {}", listed(&kinds));
@@ -90,6 +86,12 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
     let on_no_joint = |one: &&Actuator| !matches!(one.target, Target::Joint(_));
     let apart: Vec<String> =
         robot.actuators.iter().filter(on_no_joint).map(|one| format!("`{}`", visible(&one.name))).collect();
+    let of = |has: fn(&Actuator) -> bool| -> Vec<String> {
+        robot.actuators.iter().filter(|one| has(one)).map(|one| format!("`{}`", visible(&one.name))).collect()
+    };
+    let filtered = of(|one| one.filter != Filter::None);
+    let delayed = of(|one| one.delay_s > 0.0);
+    let uneven = of(|one| one.force_range.is_some_and(|[lower, upper]| lower + upper != 0.0));
     let own = |joint: &Joint| joint.damping != 0.0 || joint.friction != 0.0 || joint.armature != 0.0;
     let follow: Vec<String> = robot
         .couplings
@@ -102,6 +104,21 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             several,
             "joints with several actuators, none of which gives the numbers of the motor",
             "set them under [joints]",
+        ),
+        (
+            filtered,
+            "actuators with a filter (`timeconst`, `dyntype`), which the simulation leaves out",
+            "remove it from the model if the robot has none: the written model keeps it",
+        ),
+        (
+            delayed,
+            "actuators with a delay, which the simulation has only as an effect",
+            "write it under [effects.command_delay]",
+        ),
+        (
+            uneven,
+            "actuators whose `forcerange` differs by direction; the larger limit holds in both",
+            "lower `duty_max` of the joint if the smaller one is reached",
         ),
         (apart, "actuators of tendons, sites and bodies, which the simulation leaves out", ""),
         (follow, "joints that follow others, whose own friction, damping and armature the simulation leaves out", ""),

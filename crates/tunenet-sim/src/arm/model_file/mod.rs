@@ -3,9 +3,11 @@
 //! | module | what |
 //! |---|---|
 //! | `bodies` | from links, joints and couplings of the file to moving bodies |
+//! | `keyed` | the names of its joints as keys of a simulation file |
 //! | `left_out` | what the file holds and the model leaves out |
 
 mod bodies;
+mod keyed;
 mod left_out;
 
 use std::path::Path;
@@ -14,6 +16,7 @@ use tunenet_formats::{Action, Error, Result, read_text, shown_path};
 use tunenet_models::edit::{self, Edited};
 use tunenet_models::{Change, Format, Quantity, Robot};
 
+pub use self::keyed::{key_of, keyed, named};
 use self::left_out::Driven;
 use super::Model;
 use super::urdf;

@@ -1,0 +1,72 @@
+//! What to type to read a recording in episodes for the joints of a robot.
+
+use std::path::Path;
+
+use tunenet_formats::{Episodes, shell_word};
+use tunenet_sim::arm::{JointKind, Model};
+use tunenet_sim::robot::{Drive, StatedMotor};
+use tunenet_sim::simulation_file::{JointColumns, position_channel};
+
+use super::columns::ACTION;
+use super::limits::by_limits;
+use crate::args::Init;
+
+/// How columns of times are called.
+const CLOCKS: [&str; 4] = ["t", "time", "timestamp", "times"];
+
+/// The recording as an argument, with what it has to be read with. Units are proposed, never taken as known.
+pub fn flags(
+    from: &Path,
+    options: &Init,
+    (model, motors): (&Model, &[StatedMotor]),
+    (found, columns): (&Episodes, &[JointColumns]),
+) -> String {
+    let mut words = vec![shell_word(&from.to_string_lossy())];
+    let joints = model.joints();
+    let mapped = columns.iter().filter_map(|columns| {
+        let joint = joints.iter().find(|joint| joint.name == columns.joint)?;
+        let channel = position_channel(joint, Some(&columns.state));
+        (!channel.starts_with(&format!("{}_", columns.state))).then(|| format!("{channel}={}", columns.state))
+    });
+    let time = found.columns.iter().find(|column| CLOCKS.contains(&column.name.to_lowercase().as_str()));
+    let time = time.filter(|_| found.lacks_clock).map(|column| format!("t_s={}", column.name));
+    if found.lacks_clock && time.is_none() {
+        words.extend(["--rate".into(), "HZ".into()]);
+    }
+    let mapped: Vec<String> = time.into_iter().chain(mapped).collect();
+    if !mapped.is_empty() {
+        words.extend(["--columns".into(), shell_word(&mapped.join(","))]);
+    }
+    let open = |columns: &&JointColumns| {
+        let column = found.columns.iter().find(|column| column.name == columns.state);
+        column.is_some_and(|column| column.unit.is_none())
+    };
+    if let Some(file) = &options.calibration {
+        words.extend(["--calibration".into(), shell_word(&file.to_string_lossy())]);
+    }
+    // A column whose numbers suggest nothing, nor the limits of its joint, gets a place to fill in.
+    let unit = |columns: &JointColumns| {
+        let column = found.columns.iter().find(|column| column.name == columns.state);
+        let joint = joints.iter().find(|joint| joint.name == columns.joint);
+        let turns = joint.is_none_or(|joint| joint.kind != JointKind::Prismatic);
+        let left = || by_limits(column?.range?, joint.map(|joint| (joint.limits.lower, joint.limits.upper))?, turns);
+        // The step of a slide's numbers says nothing of angles.
+        let by_step = column.filter(|_| turns).and_then(|column| column.proposed.clone());
+        let proposed = by_step.or_else(left);
+        format!("{}={}", columns.state, proposed.unwrap_or_else(|| "UNIT".into()))
+    };
+    // What is said of a joint holds for its command where that has its name.
+    let of_command = |columns: &JointColumns| {
+        let own = columns.command != format!("{ACTION}{}", columns.state);
+        let column = found.columns.iter().find(|column| own && column.name == columns.command)?;
+        let servo = motors.iter().all(|motor| motor.joint != columns.joint || motor.drive == Drive::Position);
+        let same = if servo { unit(columns).split_once('=')?.1.to_owned() } else { "UNIT".into() };
+        column.unit.is_none().then(|| format!("{}={same}", columns.command))
+    };
+    let units: Vec<String> =
+        columns.iter().filter(open).map(unit).chain(columns.iter().filter_map(of_command)).collect();
+    if !units.is_empty() {
+        words.extend(["--units".into(), shell_word(&units.join(","))]);
+    }
+    words.join(" ")
+}
