@@ -103,7 +103,13 @@ impl Model {
         let root = parse(&source, 0)?;
         let (found, hint) = match root.tag.as_str() {
             "mujoco" => return Ok(Self::Mjcf(Box::new(mjcf::read(load(source, root, reach)?)?))),
-            "robot" => return Ok(Self::Urdf(Box::new(urdf::read(Document { files: vec![source], root })?))),
+            "robot" => {
+                return Ok(Self::Urdf(Box::new(urdf::read(Document {
+                    files: vec![source],
+                    root,
+                    includes: Vec::new(),
+                })?)));
+            }
             "mujocoinclude" => ("a part of an MJCF".into(), "name the file that includes this one"),
             "sdf" => ("an SDF".into(), "name the URDF or MJCF of the robot"),
             tag => (format!("<{}>", shown(tag)), "is this the model of a robot?"),
@@ -120,6 +126,15 @@ impl Model {
             Self::Urdf(urdf) => &urdf.document,
         };
         &document.files[0].path
+    }
+
+    /// The text of the named file with those that it includes in their places; `None` where it includes none.
+    #[must_use]
+    pub fn joined(&self) -> Option<String> {
+        match self {
+            Self::Mjcf(mjcf) => mjcf.document.joined(),
+            Self::Urdf(urdf) => urdf.document.joined(),
+        }
     }
 
     /// What the file describes.

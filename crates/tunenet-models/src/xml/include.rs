@@ -1,6 +1,7 @@
 //! `<include file="…"/>` of MJCF: the children of the other file's root in its place, each file once.
 
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
 use super::source::shown;
@@ -16,9 +17,42 @@ const MOST_FILES: usize = 1000;
 pub(crate) struct Document {
     pub files: Vec<SourceFile>,
     pub root: Element,
+    /// Where files are included, in the order in which they were met.
+    pub includes: Vec<Include>,
+}
+
+/// One file in the place of an element of another.
+#[derive(Debug, Clone)]
+pub(crate) struct Include {
+    /// The file with the element, and where it is there.
+    file: usize,
+    element: Range<usize>,
+    /// The file that is included, and what is within its root.
+    other: usize,
+    inner: Range<usize>,
 }
 
 impl Document {
+    /// The text of the first file with all others in the places where it includes them; `None` where it includes none.
+    pub fn joined(&self) -> Option<String> {
+        (!self.includes.is_empty()).then(|| self.part(0, 0..self.files[0].text.len()))
+    }
+
+    /// The same of a part of a file. Files include each other in no circle, so this ends.
+    fn part(&self, file: usize, range: Range<usize>) -> String {
+        let source = &self.files[file].text;
+        let mut within: Vec<&Include> =
+            self.includes.iter().filter(|one| one.file == file && range.contains(&one.element.start)).collect();
+        within.sort_by_key(|one| one.element.start);
+        let (mut text, mut at) = (String::new(), range.start);
+        for one in within {
+            text.push_str(&source[at..one.element.start]);
+            text.push_str(&self.part(one.other, one.inner.clone()));
+            at = one.element.end;
+        }
+        text + &source[at..range.end]
+    }
+
     /// An error at an attribute.
     pub fn error(&self, at: &Attribute, message: impl Into<String>, hint: impl Into<String>) -> Error {
         self.files[at.file].error(at.inner.clone(), message, hint)
@@ -45,9 +79,10 @@ pub(crate) struct Reach<'a> {
 /// [`Error::Text`] where a file is no XML or an include names a file outside the folder of `source`, one that is not there, one that is
 /// included already, or too much; [`Error::Io`] and [`Error::File`] as the reader of files returns them.
 pub(crate) fn load(source: SourceFile, mut root: Element, reach: Reach) -> Result<Document> {
-    let mut loading = Loading { bytes: source.text.len(), elements: 0, files: vec![source], reach };
+    let mut loading =
+        Loading { bytes: source.text.len(), elements: 0, files: vec![source], includes: Vec::new(), reach };
     root.children = loading.expanded(std::mem::take(&mut root.children), 1)?;
-    Ok(Document { files: loading.files, root })
+    Ok(Document { files: loading.files, root, includes: loading.includes })
 }
 
 /// The files of a model while they are read.
@@ -56,6 +91,7 @@ struct Loading<'a> {
     /// How long they are together.
     bytes: usize,
     elements: usize,
+    includes: Vec<Include>,
     reach: Reach<'a>,
 }
 
@@ -76,6 +112,15 @@ impl Loading<'_> {
             }
             if element.tag == "include" {
                 let other = self.included(&element)?;
+                // Its closing tag, where it has one, ends with the next `>`.
+                let after = &self.files[element.file].text[element.close..];
+                let end = if element.empty { Some(0) } else { after.find('>').map(|at| at + 1) };
+                self.includes.push(Include {
+                    file: element.file,
+                    element: element.open.start..element.close + end.unwrap_or(0),
+                    other: other.file,
+                    inner: other.open.end..other.close,
+                });
                 all.extend(self.expanded(other.children, depth)?);
             } else {
                 element.children = self.expanded(std::mem::take(&mut element.children), depth + 1)?;
@@ -179,13 +224,14 @@ mod tests {
 
     #[test]
     fn children_of_the_other_root_take_the_place_of_the_include() {
-        let main = "<m><a/><include file='x/p.xml'/><d><include file='q.xml'/></d></m>";
+        let main = "<m><a/><include file='x/p.xml'/><d><include file='q.xml'></include ></d></m>";
         let files =
             [("m/a.xml", main), ("m/x/p.xml", "<mujocoinclude><b/><c/></mujocoinclude>"), ("m/q.xml", "<r><e/></r>")];
         let all = read(&files).unwrap();
         let tags: Vec<_> = all.root.children.iter().map(|e| (e.tag.as_str(), e.file)).collect();
         assert_eq!(tags, [("a", 0), ("b", 1), ("c", 1), ("d", 0)]);
         assert_eq!(all.root.children[3].children[0].tag, "e");
+        assert_eq!(all.joined().unwrap(), "<m><a/><b/><c/><d><e/></d></m>");
     }
 
     #[test]

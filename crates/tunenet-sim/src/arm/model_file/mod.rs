@@ -12,7 +12,7 @@ mod left_out;
 
 use std::path::Path;
 
-use tunenet_formats::{Action, Error, Result, read_text, shown_path};
+use tunenet_formats::{Action, Error, Result, read_text};
 use tunenet_models::edit::{self, Edited};
 use tunenet_models::{Change, Format, Quantity, Robot};
 
@@ -86,18 +86,18 @@ pub fn with_friction(path: &Path, joints: &[JointFriction]) -> Result<String> {
     edited(path, &changes).map(|(text, _)| text)
 }
 
-/// The text of the model file at `path` with these numbers, everything else as it stands; and what became of each change.
+/// The text of the model file at `path` with these numbers, everything else as it stands; and what became of each change. Where numbers
+/// stand in files that it includes, the text holds these files in their places.
 ///
 /// # Errors
-/// What [`tunenet_models::Model::read`] and [`edit::edit`] refuse; [`Error::File`] where the joints are in another file, which this one
-/// includes.
+/// What [`tunenet_models::Model::read`] and [`edit::edit`] refuse.
 pub fn edited(path: &Path, changes: &[Change]) -> Result<(String, Edited)> {
     let model = tunenet_models::Model::read(path).map_err(in_formats)?;
     let mut edited = edit::edit(&model, changes).map_err(in_formats)?;
-    if let Some(sentence) = edited.other_files() {
-        let others: Vec<_> = edited.files.iter().skip(1).map(|file| shown_path(&file.path)).collect();
-        let hint = format!("name the file that holds the joints ({}) as the robot's model", others.join(", "));
-        return Err(Error::file(path, format!("expected the joints in this file, but {sentence}"), hint));
+    if let Some(joined) = model.joined().filter(|_| edited.other_files().is_some()) {
+        let whole = tunenet_models::Model::parse_alone(path, &joined).map_err(in_formats)?;
+        edited = edit::edit(&whole, changes).map_err(in_formats)?;
+        edited.notes.push("the copy holds what the model includes from other files, which are not changed".into());
     }
     // The named file comes first, and is always there.
     let text = std::mem::take(&mut edited.files).into_iter().next().map(|file| file.text).unwrap_or_default();
