@@ -3,7 +3,7 @@
 //! Source of the map: a servo's torque is A·clip(c·kp·e − kd·w, ±1) − B·w, and the position actuator of MuJoCo makes
 //! clip(kp'·e − kv'·w, ±F): F = A, kp' = A·c·kp, kv' = A·kd. The braking B is outside the limit, and so part of the joint's damping.
 
-use tunenet_models::{Joint, Law, Motion, Robot, Target};
+use tunenet_models::{Actuator, Joint, Law, Motion, Robot, Target};
 
 use super::numbers::Drive;
 
@@ -94,6 +94,13 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
     motor
 }
 
+/// Whether the actuator is a servo, a drive of a speed or of a torque, of one joint.
+pub(crate) fn is_motor(actuator: &Actuator) -> bool {
+    let Law::Affine { gain, bias } = actuator.law else { return false };
+    let speed = bias[..2] == [0.0, 0.0] && gain > 0.0 && bias[2] == -gain;
+    actuator.position_gains().is_some() || speed || gain != 0.0 && bias == [0.0; 3]
+}
+
 fn largest([lower, upper]: [f64; 2]) -> f64 {
     lower.abs().max(upper.abs())
 }
@@ -144,6 +151,8 @@ mod tests {
         assert_eq!((all[0].drive, all[0].gain, all[0].stall_torque), (Drive::Velocity, Some(2.0), Some(2.0)));
         assert_eq!((all[1].drive, all[1].gain, all[1].stall_torque), (Drive::Torque, None, Some(2.0)));
         assert_eq!(all[1].command_range, Some([-10.0, 10.0]));
+        let odd = motors("<general joint='a' gainprm='3' biasprm='0 -2 0' biastype='affine'/>");
+        assert_eq!((odd[0].drive, odd[0].gain), (Drive::Position, None));
         let two = motors("<motor joint='a'/><position joint='a' kp='3'/>");
         assert_eq!((two[0].drive, two[0].gain), (Drive::Position, None));
     }

@@ -336,8 +336,11 @@ fn capital(text: &str) -> String {
 
 /// The unit that ends a key. Longer endings come first.
 fn unit(path: &str) -> Option<&'static str> {
-    const UNITS: [(&str, &str); 21] = [
+    const UNITS: [(&str, &str); 24] = [
+        ("_nms2_rad2", "N·m·s²/rad²"),
         ("_nms_rad", "N·m·s/rad"),
+        ("_s_rad", "s/rad"),
+        ("_1_rad", "1/rad"),
         ("_nm_rad", "N·m/rad"),
         ("_rad_nm", "rad/(N·m)"),
         ("_kg_m2", "kg·m²"),

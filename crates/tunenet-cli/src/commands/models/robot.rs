@@ -12,6 +12,7 @@ use tunenet_models::{Change, Quantity};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::model_file::edited;
 use tunenet_sim::observed_robot::model_path;
+use tunenet_sim::robot::Drive;
 use tunenet_sim::robot_changes::{Intervals, RobotChanges, robot_changes};
 
 use super::put;
@@ -35,6 +36,11 @@ pub fn write(options: &Models, file: &SimulationFile, intervals: Intervals) -> R
         let rest = listed(&left, &found.whole);
         let rest = if rest.is_empty() { rest } else { format!(": BAM cannot express {rest}") };
         stage("bam", &format!("{}{rest}", shown_path(out)));
+        let others = file.robot()?.joints.iter().filter(|(_, joint)| joint.drive != Drive::Position);
+        let others: Vec<String> = others.map(|(name, _)| format!("`{}`", visible(name))).collect();
+        if !others.is_empty() {
+            stage("note", &format!("BAM's servos follow positions, which these joints do not: {}", others.join(", ")));
+        }
     }
     if let Some(out) = &options.out_isaac {
         put(out, &isaac_lab(&of_model(&found), &found.whole, options.isaac_step))?;

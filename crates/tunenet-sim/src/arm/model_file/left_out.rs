@@ -5,6 +5,7 @@ use tunenet_core::text::visible;
 use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target};
 
 use crate::findings;
+use crate::robot::is_motor;
 
 /// Most things that one note names.
 const MOST_NAMED: usize = 12;
@@ -104,6 +105,11 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             several,
             "joints with several actuators, none of which gives the numbers of the motor",
             "set them under [joints]",
+        ),
+        (
+            of(|one| matches!(one.target, Target::Joint(_)) && !is_motor(one)),
+            "actuators that are no servo, drive of a speed or of a torque, none of which gives the numbers of the motor",
+            "set `drive` and the gains under [joints]",
         ),
         (
             filtered,

@@ -37,6 +37,8 @@ struct Row<'a> {
     unit: &'a str,
     value: &'a Value,
     plausible: (f64, f64),
+    /// Whether the recordings show it.
+    shown: bool,
 }
 
 fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
@@ -53,6 +55,7 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
                 unit: &fitted.unit,
                 value,
                 plausible: answer.plausible(named, i, value),
+                shown: named.effect.bounds(&fitted.key) != Some(value.interval95),
             })
         })
         .collect()
@@ -69,7 +72,7 @@ pub fn in_short(answer: &Answer) -> Vec<String> {
         let object = object.map(|o| format!(" of {o}")).unwrap_or_default();
         format!("{name}{object} {best}{} (95 %: {interval})", unit(of))
     };
-    let coefficients = rows(answer).into_iter().map(|row| {
+    let coefficients = rows(answer).into_iter().filter(|row| row.shown).map(|row| {
         let object = answer.object(row.value).filter(|_| objects.len() > 1);
         line(&format!("{} {}", row.named.effect.name, row.key), object, row.value, row.unit)
     });
