@@ -73,10 +73,11 @@ pub(crate) fn sheet(path: &Path, mut arrays: Vec<(String, Array)>, mut refused: 
 
 /// Which arrays of a file are no columns, and why.
 fn left_out(refused: &[String], rows: usize) -> Option<Note> {
-    let mut all = refused.iter().take(MOST_NAMED).map(|one| visible(one)).collect::<Vec<_>>().join("; ");
+    let mut all: Vec<String> = refused.iter().take(MOST_NAMED).map(|one| visible(one)).collect();
     if refused.len() > MOST_NAMED {
-        all += &format!("; and {} more", refused.len() - MOST_NAMED);
+        all.push(format!("and {} more", refused.len() - MOST_NAMED));
     }
+    let all = all.join("; ");
     let text = format!("arrays that are no columns of numbers with {rows} rows: {all}");
     (!refused.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "save them as such if they matter"))
 }

@@ -63,7 +63,7 @@ fn matrices_are_read_by_columns_and_small_numbers_from_their_mark() {
     let table = variable("log", 6, [3, 2], &doubles(&[0.0, 0.5, 1.0, 7.0, 8.0, 9.0]));
     // Three unsigned bytes, which stand in the mark itself.
     let short = [(2u32 | 3 << 16).to_le_bytes(), [4, 5, 6, 0]].concat();
-    let (_folder, path) = file("a.mat", &whole(&[table, variable("z", 9, [3, 1], &short)]));
+    let (_folder, path) = file("a.mat", whole(&[table, variable("z", 9, [3, 1], &short)]));
     let columns = [("t_s", "log.0"), ("x_m", "log.1"), ("z_m", "z")];
     let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
     let seen = read(&path, &ReadOptions { columns, ..ReadOptions::default() }).unwrap().observation;
@@ -73,7 +73,7 @@ fn matrices_are_read_by_columns_and_small_numbers_from_their_mark() {
 #[test]
 fn what_is_no_table_says_why() {
     let refused = |variables: &[Vec<u8>]| {
-        let (_folder, path) = file("a.mat", &whole(variables));
+        let (_folder, path) = file("a.mat", whole(variables));
         error_text(&read(&path, &ReadOptions::default()).unwrap_err()).0
     };
     let why = refused(&[variable("log", 2, [1, 1], &[])]);

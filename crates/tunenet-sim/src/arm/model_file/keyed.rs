@@ -36,14 +36,12 @@ pub fn keyed(mut model: Model) -> Model {
 pub fn named<'m>(file: &SimulationFile, whole: &'m Model, key: &str) -> Result<&'m str> {
     let (own, keys) = (whole.joints(), keyed(whole.clone()));
     let at = keys.joints().iter().position(|joint| joint.name == key);
-    match at.and_then(|at| own.get(at)) {
-        Some(joint) => Ok(&joint.name),
-        None => {
-            let names: Vec<String> = keys.joints().iter().map(|joint| visible(&joint.name)).collect();
-            let message = format!("`joints.{key}`: expected a joint of the model ({}), found none", names.join(", "));
-            Err(Error::file(file.path(), message, "name the table as the model names the joint"))
-        }
+    if let Some(joint) = at.and_then(|at| own.get(at)) {
+        return Ok(&joint.name);
     }
+    let names: Vec<String> = keys.joints().iter().map(|joint| visible(&joint.name)).collect();
+    let message = format!("`joints.{key}`: expected a joint of the model ({}), found none", names.join(", "));
+    Err(Error::file(file.path(), message, "name the table as the model names the joint"))
 }
 
 #[cfg(test)]
