@@ -16,10 +16,10 @@ use rusqlite::types::ValueRef;
 
 use self::database::Database;
 pub(crate) use self::unpacked::{Unpacked, unpacked};
-use crate::log::source::Wanted;
 use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
 use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;
+use crate::ros::wanted::Wanted;
 use crate::shown::counted;
 use crate::{Error, Result};
 
@@ -79,8 +79,8 @@ impl Messages {
         let library = database.library();
         let (whole, first) = match wanted {
             Wanted::First => (Vec::new(), numbers.keys().copied().collect()),
-            Wanted::Topic(topic) => {
-                let is = |(_, at): &(&i64, &usize)| topic.is(&channels[**at]);
+            Wanted::Topic { .. } => {
+                let is = |(_, at): &(&i64, &usize)| wanted.all_of(&channels[**at]);
                 (numbers.iter().filter(is).map(|(id, _)| *id).collect(), BTreeSet::new())
             }
         };

@@ -4,5 +4,5 @@ mod choice;
 pub(crate) mod columns;
 pub(crate) mod files;
 pub(crate) mod series;
-pub(crate) mod source;
+mod source;
 pub(crate) mod topics;

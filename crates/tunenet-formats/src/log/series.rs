@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::choice::choose;
 use super::columns;
 use super::files::{absent_parts, files};
-use super::source::{Wanted, messages};
+use super::source::messages;
 use super::topics::{Topic, survey};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
 use crate::ros::joints::Joints;
@@ -36,7 +36,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let files = files(path)?;
     let mut series = Series::new(path, topic, &options.joints);
     let mut number = 0u64;
-    for message in messages(&files, &options.definitions, Wanted::Topic(topic.clone()))? {
+    for message in messages(&files, &options.definitions, topic.wanted())? {
         let message = message?;
         if !topic.is(&message.channel) {
             continue;

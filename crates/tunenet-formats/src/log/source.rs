@@ -3,25 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::topics::Topic;
 #[cfg(feature = "logs")]
 use crate::bag;
 use crate::format::{Format, format};
 use crate::mcap::records;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::schema::Given;
+use crate::ros::wanted::Wanted;
 use crate::{Error, Result};
-
-/// The messages whose bytes are needed. Those of others may come without them: a bag has them in pages of their own, and most of a
-/// robot's bag is pictures.
-#[derive(Debug, Clone)]
-pub(crate) enum Wanted {
-    /// The first of each topic.
-    First,
-    /// All of a topic.
-    #[cfg_attr(not(feature = "logs"), expect(dead_code, reason = "only bags leave bytes unread"))]
-    Topic(Topic),
-}
 
 /// The messages of a log in the order of its files. Ends after the first error.
 pub(crate) struct Messages {

@@ -5,12 +5,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::files::files;
-use super::source::{Wanted, messages};
+use super::source::messages;
 use crate::ros::cdr::Type;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::joints::Joints;
 use crate::ros::message::{JointMessage, NOTHING, NUMBERS, Sample, Way};
 use crate::ros::schema::{Given, Unread};
+use crate::ros::wanted::Wanted;
 use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::Kind;
@@ -56,6 +57,11 @@ impl Topic {
 
     pub(crate) fn is(&self, channel: &ChannelInfo) -> bool {
         self.name == channel.topic && self.schema == channel.schema_name && self.encoding == channel.message_encoding
+    }
+
+    /// Its messages, all of them.
+    pub(super) fn wanted(&self) -> Wanted {
+        Wanted::Topic { name: self.name.clone(), schema: self.schema.clone(), encoding: self.encoding.clone() }
     }
 
     /// Counts a message; the first decides what the topic is good for.

@@ -13,3 +13,4 @@ pub(crate) mod numbers;
 pub(crate) mod schema;
 pub(crate) mod stamps;
 mod standard;
+pub(crate) mod wanted;
