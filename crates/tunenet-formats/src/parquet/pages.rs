@@ -1,5 +1,6 @@
 //! The pages of a column, counted before they are decoded: a page of a few bytes may promise thousands of millions of numbers.
 
+use parquet::basic::Encoding;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
 
@@ -11,11 +12,13 @@ pub(super) struct Counted {
     next: Option<Page>,
     /// Numbers that may still come.
     left: usize,
+    /// Whether a dictionary came: the crate panics at a page that refers to one where none did.
+    dictionary: bool,
 }
 
 impl Counted {
     pub fn new(pages: Box<dyn PageReader>, most: usize) -> Self {
-        Self { pages, next: None, left: most }
+        Self { pages, next: None, left: most, dictionary: false }
     }
 
     /// Looks at the next page.
@@ -31,6 +34,14 @@ impl PageReader for Counted {
     fn get_next_page(&mut self) -> Result<Option<Page>> {
         self.look()?;
         let Some(page) = self.next.take() else { return Ok(None) };
+        let refers = matches!(page.encoding(), Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY);
+        match page {
+            Page::DictionaryPage { .. } => self.dictionary = true,
+            _ if refers && !self.dictionary => {
+                return Err(ParquetError::General("a page refers to a dictionary that did not come".into()));
+            }
+            _ => {}
+        }
         let count = usize::try_from(page.num_values()).unwrap_or(usize::MAX);
         self.left = self
             .left
@@ -71,8 +82,6 @@ impl Iterator for Counted {
 mod tests {
     use std::collections::VecDeque;
 
-    use parquet::basic::Encoding;
-
     use super::*;
 
     /// Pages in memory, whose crate would look at a page before it is read.
@@ -101,7 +110,10 @@ mod tests {
     }
 
     fn page(num_values: u32) -> Page {
-        let encoding = Encoding::PLAIN;
+        encoded(num_values, Encoding::PLAIN)
+    }
+
+    fn encoded(num_values: u32, encoding: Encoding) -> Page {
         let levels = Encoding::RLE;
         Page::DataPage {
             buf: Vec::new().into(),
@@ -121,5 +133,20 @@ mod tests {
         assert_eq!(pages.get_next_page().unwrap().unwrap().num_values(), 7);
         assert!(pages.get_next_page().is_err());
         assert!(pages.at_record_boundary().unwrap());
+    }
+
+    #[test]
+    fn a_page_that_refers_to_a_dictionary_follows_one() {
+        let dictionary = || Page::DictionaryPage {
+            buf: Vec::new().into(),
+            num_values: 2,
+            encoding: Encoding::PLAIN,
+            is_sorted: false,
+        };
+        let refers = || encoded(3, Encoding::RLE_DICTIONARY);
+        let mut pages = Counted::new(Box::new(Made([dictionary(), refers()].into())), 10);
+        assert!(pages.get_next_page().is_ok() && pages.get_next_page().is_ok());
+        let mut pages = Counted::new(Box::new(Made([refers(), dictionary()].into())), 10);
+        assert!(pages.get_next_page().unwrap_err().to_string().contains("did not come"));
     }
 }
