@@ -154,12 +154,14 @@ impl Parquet {
         }
     }
 
-    /// Refuses pages that promise more than they hold.
+    /// Refuses pages that promise more than they hold, or that are nowhere.
     fn check_pages(&self, group: usize, column: &Column) -> Result<()> {
         let chunk = self.reader.metadata().row_group(group).column(column.index);
         let begin = chunk.dictionary_page_offset().unwrap_or(i64::MAX).min(chunk.data_page_offset());
+        // The crate panics where one of them is below 0.
         let (Ok(begin), Ok(length)) = (u64::try_from(begin), u64::try_from(chunk.compressed_size())) else {
-            return Ok(());
+            let message = format!("column `{}` cannot be read: its pages have no place in the file", column.name);
+            return Err(Error::file(&self.path, message, AGAIN));
         };
         let promised = promises::pages_promise(&mut open(&self.path)?, begin, length);
         refuse_promise(&self.path, promised.map_err(|e| Error::io(&self.path, Action::Reading, e))?)
