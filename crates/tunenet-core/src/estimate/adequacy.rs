@@ -36,11 +36,8 @@ impl Adequacy {
             let ratio = (column().map(|r| r * r).sum::<f64>() / degrees_of_freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            let resolved = || {
-                let values: Vec<f64> = seen.column(channel).collect();
-                !discrepancy || lattice_step(&values).is_none_or(|step| ratio * noise >= step)
-            };
-            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst && (ratio <= 1.0 || resolved()) {
+            let resolved = || ratio <= 1.0 || !discrepancy || !is_below_step(seen, channel, ratio * noise);
+            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst && resolved() {
                 (worst, place) = (ratio, channel);
             }
         }
@@ -56,6 +53,12 @@ impl Adequacy {
     pub fn poor(&self) -> bool {
         self.tested && self.ratio > self.limit
     }
+}
+
+/// Whether a residual, as a root mean square, is less than a step of the channel's sensor; not where the readings show no step.
+pub(crate) fn is_below_step(seen: &Observation, channel: usize, rmse: f64) -> bool {
+    let values: Vec<f64> = seen.column(channel).collect();
+    lattice_step(&values).is_some_and(|step| rmse < step)
 }
 
 #[cfg(test)]

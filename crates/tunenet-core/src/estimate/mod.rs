@@ -48,6 +48,7 @@ mod unread_states;
 mod variance_components;
 
 pub use adequacy::Adequacy;
+pub(crate) use adequacy::is_below_step;
 pub use contour::{Contour, contour};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, ScaleEstimate, ends};

@@ -153,12 +153,6 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// The bounds of the coefficient `key` in a fit.
-    #[must_use]
-    pub fn bounds(&self, key: &str) -> Option<(f64, f64)> {
-        self.coefficients.iter().find(|one| one.key == key).map(|one| (one.min, one.max))
-    }
-
     /// An effect that is plausible wherever it can be fitted, and that nothing is known to resemble.
     #[must_use]
     pub fn new(name: impl Into<Text>, phase: Phase, sentence: impl Into<Text>, coefficients: Vec<Coefficient>) -> Self {

@@ -56,8 +56,7 @@ fn of_object(answer: &Answer, number: usize) -> Value {
     }
     let effects = answer.effects_of(number).into_iter().flat_map(|named| {
         let values = named.coefficients.iter().filter_map(|c| Some((c, value_of(c, number)?)));
-        // Of a joint that does not show the effect, nothing is known.
-        let shown = values.filter(|(c, v)| named.effect.bounds(&c.key) != Some(v.interval95));
+        let shown = values.filter(|(c, v)| named.shows(&c.key, v));
         shown.map(|(c, v)| range(&format!("effects.{}.{}", named.effect.name, c.key), &c.unit, v.value, v.interval95))
     });
     parameters.chain(effects).collect()

@@ -214,7 +214,7 @@ fn details(answer: &Answer) -> Vec<String> {
                 let object = object.map(|o| format!("{o}: ")).unwrap_or_default();
                 let drag = answer.drag_coefficient(named, value);
                 let drag = drag.map(|d| format!(", drag coefficient {}", ranged(&d, ""))).unwrap_or_default();
-                let shown = named.effect.bounds(&fitted.key) != Some(value.interval95);
+                let shown = named.shows(&fitted.key, value);
                 let size = if shown { ranged(value, unit) } else { "is not shown by these recordings".into() };
                 lines.push(format!("{object}{} {key} {size}{drag}", named.effect.name));
             }

@@ -84,6 +84,16 @@ pub struct NamedEffect {
     pub alternatives: Vec<Text>,
 }
 
+impl NamedEffect {
+    /// Whether the recordings show this value of the coefficient `key`: of a joint that does not move with the effect, its interval is all
+    /// that a fit allows.
+    #[must_use]
+    pub fn shows(&self, key: &str, value: &Value) -> bool {
+        let allowed = self.effect.coefficients.iter().find(|one| one.key == key).map(|one| (one.min, one.max));
+        allowed != Some(value.interval95)
+    }
+}
+
 /// One candidate as it stood alone, added to the tuned simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {

@@ -8,9 +8,9 @@ use crate::diagnose::evidence::ar1_correlation::LONGEST_OF_DISCREPANCY;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::recording_scores;
-use crate::estimate::Adequacy;
 use crate::estimate::cluster_robust::Score;
-use crate::observation::{Kind, lattice_step};
+use crate::estimate::{Adequacy, is_below_step};
+use crate::observation::Kind;
 use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
 
 /// A test fails only below this probability ...
@@ -93,8 +93,7 @@ fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
         (0..width).all(|channel| {
             let squares = residual.iter().skip(channel).step_by(width).map(|r| r * r);
             let rmse = (squares.sum::<f64>() / (residual.len() / width).max(1) as f64).sqrt();
-            let values: Vec<f64> = set.prepared.seen.column(channel).collect();
-            lattice_step(&values).is_some_and(|step| rmse < step)
+            is_below_step(&set.prepared.seen, channel, rmse)
         })
     })
 }

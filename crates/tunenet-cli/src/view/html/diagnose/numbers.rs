@@ -55,7 +55,7 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
                 unit: &fitted.unit,
                 value,
                 plausible: answer.plausible(named, i, value),
-                shown: named.effect.bounds(&fitted.key) != Some(value.interval95),
+                shown: named.shows(&fitted.key, value),
             })
         })
         .collect()
