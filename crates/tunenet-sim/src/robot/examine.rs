@@ -240,13 +240,15 @@ fn position(
     })
 }
 
+/// The values less their mean.
+fn centred(values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.into_iter().map(|v| v - mean).collect()
+}
+
 /// How far a joint moves for each rad of its commands, where it follows them at all: by least squares at the lag with the greatest
 /// correlation.
 fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
-    let centred = |all: Vec<f64>| {
-        let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-        all.into_iter().map(|v| v - mean).collect::<Vec<f64>>()
-    };
     let seen = centred(values.to_vec());
     let at_lag = |lag: f64| {
         let goals = centred(clock.iter().map(|t| command(t - lag)).collect());
@@ -270,10 +272,6 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
         if inside.len() < 20 {
             return 1.0;
         }
-        let centred = |all: Vec<f64>| {
-            let mean = all.iter().sum::<f64>() / all.len() as f64;
-            all.into_iter().map(|v| v - mean).collect::<Vec<_>>()
-        };
         let goals = centred(inside.iter().map(|&i| command(clock[i] - lag)).collect());
         let seen = centred(inside.iter().map(|&i| values[i]).collect());
         // A part in which the joint hardly moves says nothing of lags.

@@ -49,5 +49,5 @@ pub(crate) use model::driven_joints;
 pub use numbers::Drive;
 pub use observable_zero::observable_zeros;
 pub use stated_gravity::{StatedGravity, stated_gravity};
-pub(crate) use stated_motor::is_motor;
+pub(crate) use stated_motor::motor_law;
 pub use stated_motor::{StatedMotor, stated_motors};

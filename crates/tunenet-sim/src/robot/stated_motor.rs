@@ -74,31 +74,57 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
         (of_joint, own) => of_joint.or(own),
     };
     motor.limited = motor.stall_torque.is_some();
-    let Law::Affine { gain, bias: [constant, by_length, by_speed] } = actuator.law else { return motor };
-    if let Some([kp, kv]) = actuator.position_gains() {
-        let stall = *motor.stall_torque.get_or_insert(UNLIMITED * kp * gear * gear);
-        motor.gain = Some(kp * gear * gear / stall);
-        motor.kd = kv * gear * gear / stall;
-        motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
-    } else if gain > 0.0 && by_speed == -gain && (constant, by_length) == (0.0, 0.0) {
-        motor.drive = Drive::Velocity;
-        let stall = *motor.stall_torque.get_or_insert(UNLIMITED_SPEED * gain * gear * gear);
-        motor.gain = Some(gain * gear * gear / stall);
-        motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end / gear)));
-    } else if gain != 0.0 && (constant, by_length, by_speed) == (0.0, 0.0, 0.0) {
-        motor.drive = Drive::Torque;
-        let torques = actuator.command_range.map(|range| ordered(range.map(|end| end * gain * gear)));
-        motor.stall_torque = motor.stall_torque.or(torques.map(largest));
-        motor.command_range = torques;
+    let Some(law) = motor_law(actuator) else { return motor };
+    let range = |scale: f64| actuator.command_range.map(|range| ordered(range.map(|end| end * scale)));
+    match law {
+        MotorLaw::Position { kp, kv } => {
+            let stall = *motor.stall_torque.get_or_insert(UNLIMITED * kp * gear * gear);
+            motor.gain = Some(kp * gear * gear / stall);
+            motor.kd = kv * gear * gear / stall;
+            motor.command_range = range(gear.recip());
+        }
+        MotorLaw::Velocity { gain } => {
+            motor.drive = Drive::Velocity;
+            let stall = *motor.stall_torque.get_or_insert(UNLIMITED_SPEED * gain * gear * gear);
+            motor.gain = Some(gain * gear * gear / stall);
+            motor.command_range = range(gear.recip());
+        }
+        MotorLaw::Torque { gain } => {
+            motor.drive = Drive::Torque;
+            let torques = range(gain * gear);
+            motor.stall_torque = motor.stall_torque.or(torques.map(largest));
+            motor.command_range = torques;
+        }
     }
     motor
 }
 
-/// Whether the actuator is a servo, a drive of a speed or of a torque, of one joint.
-pub(crate) fn is_motor(actuator: &Actuator) -> bool {
-    let Law::Affine { gain, bias } = actuator.law else { return false };
-    let speed = bias[..2] == [0.0, 0.0] && gain > 0.0 && bias[2] == -gain;
-    actuator.position_gains().is_some() || speed || gain != 0.0 && bias == [0.0; 3]
+/// The force of an actuator before its gear, where it is that of a motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum MotorLaw {
+    /// kp · (command − length) − kv · speed.
+    Position { kp: f64, kv: f64 },
+    /// gain · (command − speed).
+    Velocity { gain: f64 },
+    /// gain · command.
+    Torque { gain: f64 },
+}
+
+/// The law of an actuator, where it is that of a servo, of a drive of a speed or of a torque.
+pub(crate) fn motor_law(actuator: &Actuator) -> Option<MotorLaw> {
+    let Law::Affine { gain, bias } = actuator.law else { return None };
+    if let Some([kp, kv]) = actuator.position_gains() {
+        return Some(MotorLaw::Position { kp, kv });
+    }
+    let [constant, by_length, by_speed] = bias;
+    if (constant, by_length) != (0.0, 0.0) {
+        return None;
+    }
+    match by_speed {
+        0.0 if gain != 0.0 => Some(MotorLaw::Torque { gain }),
+        _ if gain > 0.0 && by_speed == -gain => Some(MotorLaw::Velocity { gain }),
+        _ => None,
+    }
 }
 
 fn largest([lower, upper]: [f64; 2]) -> f64 {

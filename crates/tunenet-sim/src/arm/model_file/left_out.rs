@@ -5,7 +5,7 @@ use tunenet_core::text::visible;
 use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target};
 
 use crate::findings;
-use crate::robot::is_motor;
+use crate::robot::motor_law;
 
 /// Most things that one note names.
 const MOST_NAMED: usize = 12;
@@ -107,7 +107,7 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             "set them under [joints]",
         ),
         (
-            of(|one| matches!(one.target, Target::Joint(_)) && !is_motor(one)),
+            of(|one| matches!(one.target, Target::Joint(_)) && motor_law(one).is_none()),
             "actuators that are no servo, drive of a speed or of a torque, none of which gives the numbers of the motor",
             "set `drive` and the gains under [joints]",
         ),
