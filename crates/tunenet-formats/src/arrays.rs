@@ -5,7 +5,6 @@ use std::path::Path;
 
 use crate::findings;
 use crate::sheet::{Sheet, most_common_rows};
-use crate::shown::list;
 use crate::{Error, Result};
 use tunenet_core::observation::{FEWEST_SAMPLES, Note};
 use tunenet_core::text::visible;
@@ -48,8 +47,9 @@ pub(crate) struct Item {
 /// [`Error::File`] where they make no table.
 pub(crate) fn sheet(path: &Path, mut arrays: Vec<(String, Array)>, mut refused: Vec<String>) -> Result<Sheet> {
     let Some(rows) = most_common_rows(arrays.iter().map(|(_, array)| array.rows)) else {
-        let why = list(refused.iter().map(String::as_str), 3);
-        let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none ({why})");
+        let why = listed(&refused);
+        let why = if why.is_empty() { why } else { format!(" ({why})") };
+        let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none{why}");
         return Err(Error::file(path, message, "save the series as arrays of numbers"));
     };
     let other =
@@ -73,13 +73,17 @@ pub(crate) fn sheet(path: &Path, mut arrays: Vec<(String, Array)>, mut refused: 
 
 /// Which arrays of a file are no columns, and why.
 fn left_out(refused: &[String], rows: usize) -> Option<Note> {
+    let text = format!("arrays that are no columns of numbers with {rows} rows: {}", listed(refused));
+    (!refused.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "save them as such if they matter"))
+}
+
+/// Names with reasons, each after a semicolon, as many as a message takes.
+fn listed(refused: &[String]) -> String {
     let mut all: Vec<String> = refused.iter().take(MOST_NAMED).map(|one| visible(one)).collect();
     if refused.len() > MOST_NAMED {
         all.push(format!("and {} more", refused.len() - MOST_NAMED));
     }
-    let all = all.join("; ");
-    let text = format!("arrays that are no columns of numbers with {rows} rows: {all}");
-    (!refused.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "save them as such if they matter"))
+    all.join("; ")
 }
 
 /// So many numbers, read piece by piece: what a header promises is not set aside before it comes.

@@ -154,6 +154,18 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_is_skipped_is_a_file_that_is_missing() {
+        let gap = |names: &[&str]| absent_parts(&names.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(
+            gap(&["b_0.db3", "b_1.db3.zstd", "b_3.db3"]).unwrap().text,
+            "the recording's files go from `b_1` to `b_3`"
+        );
+        assert_eq!(gap(&["b_0.mcap", "b_1.mcap"]), None);
+        assert_eq!(gap(&["a_0.mcap", "b_5.mcap"]), None, "two recordings");
+        assert_eq!(gap(&["b.db3"]), None);
+    }
+
+    #[test]
     fn metadata_gives_the_order_and_what_is_missing() {
         let bag = folder(&["b.mcap", "a.mcap"]);
         let list = "x:\n  relative_file_paths:\n    - b.mcap\n    - \"old/a.mcap\"\n  duration:\n    - no\n";

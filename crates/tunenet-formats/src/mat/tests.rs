@@ -43,7 +43,7 @@ fn variables_read_as_the_columns_of_a_text_do() {
     let (_folder, path) = file("a.csv", "t_s,z_m\n0.0,1.0\n0.1,0.5\n0.25,4\n");
     let expected = read(&path, &ReadOptions::default()).unwrap();
     let times = variable("t_s", 6, [3, 1], &doubles(&[0.0, 0.1, 0.25]));
-    // A row vector whose numbers do not fit into fewer bytes, and one whose whole numbers stand in their mark.
+    // A list may be a row as well as a column.
     let heights = variable("z_m", 6, [1, 3], &doubles(&[1.0, 0.5, 4.0]));
     let text = variable("note", 4, [1, 2], &element(4, &[104, 0, 105, 0]));
     let bytes = whole(&[packed(&times), heights, text]);
