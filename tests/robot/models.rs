@@ -46,6 +46,25 @@ fn folder() -> Folder {
     folder
 }
 
+/// Names with other characters are usual where a model is put together from others.
+#[test]
+fn joints_are_called_by_the_nearest_key_and_written_under_their_own_name() {
+    let folder = Folder::new();
+    folder.write("two.xml", MODEL.replace("\"shoulder\"", "\"left/shoulder-1\""));
+    folder.run("init robot --model two.xml --out robot.toml").ends(0);
+    let text = folder.text("robot.toml");
+    assert!(
+        text.contains("[joints.left_shoulder_1]") && text.contains("[parameters.left_shoulder_1__viscous]"),
+        "{text}"
+    );
+    folder.write("commands.csv", commands().replacen("shoulder_goal_rad", "left_shoulder_1_goal_rad", 1));
+    folder.run("simulate --sim robot.toml --inputs commands.csv --set record.frames=300 --set parameters.elbow__viscous.value=0.5 \
+                --out seen.csv").ends(0);
+    folder.run("tune --sim robot.toml seen.csv --quick --out-model tuned.xml").ends(0);
+    let model = folder.text("tuned.xml");
+    assert!(model.contains("name=\"left/shoulder-1\"") && model.contains("joint=\"left/shoulder-1\""), "{model}");
+}
+
 #[test]
 fn init_starts_at_what_the_mjcf_states() {
     let folder = folder();
