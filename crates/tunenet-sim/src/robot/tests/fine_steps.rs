@@ -107,3 +107,39 @@ fn one_millisecond_is_within_half_a_milliradian_of_five_microseconds() {
     let whole = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     assert!(whole < 5e-4, "{whole}");
 }
+
+/// Positions of the link every 10 ms for 6 s of a motor behind a gear with this compliance.
+fn behind_a_gear(compliance: f64, kp: f64, goal: &dyn Fn(f64) -> f64) -> Vec<f64> {
+    let dt = 5e-6;
+    let (mass, length) = (1.0, 0.15);
+    let inertia = mass * length * length + 1e-9;
+    let (mut q, mut w, mut shaft, mut turning) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    let mut found = vec![q];
+    for k in 0..1_200_000_u32 {
+        let duty = (0.166 * kp * (goal(f64::from(k) * dt) - q)).clamp(-1.0, 1.0);
+        let gear = (shaft - q) / compliance;
+        let free = 6.0 * duty - 1.2 * turning - gear - 0.02 * turning;
+        let ahead = turning + dt / 0.022 * free;
+        let most = dt / 0.022 * 0.12;
+        turning = if ahead.abs() <= most { 0.0 } else { ahead - most * ahead.signum() };
+        w += dt / inertia * (gear - mass * 9.81 * length * q.sin());
+        q += dt * w;
+        shaft += dt * turning;
+        if (k + 1).is_multiple_of(2000) {
+            found.push(q);
+        }
+    }
+    found
+}
+
+/// A gear that gives way swings for the whole of a record: a rule of the first order would damp it within one.
+#[test]
+fn a_gear_swings_as_with_steps_of_five_microseconds() {
+    for (compliance, kp) in [(0.01, 24.0), (0.03, 12.0), (0.05, 8.0)] {
+        let step = |t: f64| if t < 1.0 { 0.0 } else { 1.2 };
+        let robot = pendulum(1.0, 0.15, JointNumbers { kp, ..servo() }, &["joint_elasticity"], 0.001);
+        let found = rolled(&robot, vec![command(step), on_until(99.0)], &[0.0; 2], &[compliance], &clock(6.0));
+        let error = root_mean_square(&found, &behind_a_gear(compliance, kp, &sampled(step)));
+        assert!(error < 1.5e-3, "{compliance}: {error}");
+    }
+}
