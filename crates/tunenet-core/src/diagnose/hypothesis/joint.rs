@@ -20,6 +20,8 @@ pub(in crate::diagnose) use crate::estimate::Point;
 
 /// Difference step of a coefficient, as a share of a small visible one.
 const COEFFICIENT_STEP: f64 = 1e-3;
+/// The same where dry friction bends the slope within that step: as fine as the steps of parameters.
+const FINE_STEP: f64 = 1e-5;
 /// Candidates are compared by costs in steps of 0.5, so that a fit ends early.
 const SETTINGS: Settings = Settings {
     steps: 40,
@@ -150,6 +152,7 @@ impl LeastSquares for Portion<'_> {
         let global = &self.joint.structure.globals[position];
         match global.absent {
             Some((_, typical)) if self.which.visibly => typical,
+            Some((_, typical)) if self.joint.sets.iter().any(|set| set.prepared.discrepancy) => FINE_STEP * typical,
             Some((_, typical)) => COEFFICIENT_STEP * typical,
             None => DIFFERENCE_STEP * global.parameter.span(),
         }
