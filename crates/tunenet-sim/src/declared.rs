@@ -76,6 +76,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         forecast_share: 1.0,
         exact_twins: Vec::new(),
         restates: Vec::new(),
+        repeated_by: Vec::new(),
     }
 }
 

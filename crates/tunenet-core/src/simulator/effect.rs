@@ -141,6 +141,10 @@ pub struct Effect {
     /// Empty for an effect of which the simulation holds no number.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub restates: Vec<Text>,
+    /// For each coefficient, the parameter of the simulator that does the same: where all of these are tuned, nothing is left for the
+    /// effect to explain. Empty for an effect that no parameter repeats.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub repeated_by: Vec<Text>,
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
     pub implausible: Option<Text>,
@@ -168,6 +172,7 @@ impl Effect {
             mistaken_for: Vec::new(),
             exact_twins: Vec::new(),
             restates: Vec::new(),
+            repeated_by: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,
@@ -233,6 +238,7 @@ mod tests {
             mistaken_for: Vec::new(),
             exact_twins: Vec::new(),
             restates: Vec::new(),
+            repeated_by: Vec::new(),
             plausible_rests_on: Vec::new(),
             implausible: None,
             feigned_by: None,

@@ -236,6 +236,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         forecast_share: 1.0,
         exact_twins: Vec::new(),
         restates: Vec::new(),
+        repeated_by: Vec::new(),
     }
 }
 

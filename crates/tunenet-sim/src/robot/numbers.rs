@@ -220,6 +220,12 @@ impl Number {
         ("zero", Self::Zero),
     ];
 
+    /// The parameter that it is of a joint.
+    pub fn parameter_of(self, joint: &str) -> String {
+        let name = Self::ALL.iter().find(|(_, number)| *number == self).map_or("", |(name, _)| name);
+        format!("{joint}__{name}")
+    }
+
     /// Its place in a joint.
     pub fn of(self, joint: &mut JointNumbers) -> &mut f64 {
         match self {

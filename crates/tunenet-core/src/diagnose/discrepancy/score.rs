@@ -102,7 +102,7 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
     let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
     let point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let at_rest: Vec<f64> = point.parameters[known..].to_vec();
-    if is_held(&joint, &point, (model, known), projector) {
+    if model.structure.repeats(&context.catalogue[entry]) || is_held(&joint, &point, (model, known), projector) {
         return none(Exclusion::Redundant(done_already(context)));
     }
     let before = model.deviance(model.scale());

@@ -153,6 +153,10 @@ fn try_score(
     left: &[f64],
 ) -> Result<()> {
     let known = model.structure.globals.len();
+    if model.structure.repeats(&context.catalogue[scored.entry]) {
+        scored.excluded = Some(Exclusion::Redundant(done_already(context)));
+        return Ok(());
+    }
     let structure = context.structure(&[model.structure.effects.as_slice(), &[scored.entry]].concat())?;
     let joint = context.joint(&structure);
     let globals = structure.carry(&model.structure, &model.fit.point.parameters);

@@ -117,6 +117,20 @@ impl<'a> Structure<'a> {
         Ok(structure)
     }
 
+    /// Whether tuned parameters of every object do the same as an effect.
+    pub fn repeats(&self, entry: &Entry) -> bool {
+        let tuned = |object: usize, name: &str| {
+            let mut own = self.globals.iter().filter(|global| global.effect.is_none() && global.object == Some(object));
+            own.any(|global| global.parameter.name == name)
+        };
+        let mut objects = entry.of.iter().enumerate().filter(|(object, _)| !self.slots[*object].is_empty()).peekable();
+        objects.peek().is_some()
+            && objects.all(|(object, effect)| {
+                let mut seen = effect.repeated_by.iter().zip(&entry.seen).filter(|(_, seen)| **seen).peekable();
+                seen.peek().is_some() && seen.all(|(name, _)| tuned(object, name))
+            })
+    }
+
     /// The same with every shared parameter fixed at these values.
     pub fn frozen(mut self, globals: &[f64]) -> Self {
         self.values = (0..self.values.len()).map(|object| self.parameters(object, globals)).collect();
@@ -197,6 +211,19 @@ mod tests {
             let frozen = more.frozen(&[1.7, 0.2]);
             assert!(frozen.globals.is_empty());
             assert_eq!(frozen.parameters(0, &[]), [1.7, 0.2]);
+        });
+    }
+
+    #[test]
+    fn a_tuned_parameter_repeats_an_effect_that_names_it() {
+        in_swings(&[], 2, 0, |context| {
+            let bare = context.structure(&[]).unwrap();
+            let mut known = context.catalogue[entry(context, "rest_angle")].clone();
+            assert!(!bare.repeats(&known));
+            known.of[0].repeated_by = vec!["length".into()];
+            assert!(bare.repeats(&known));
+            let other = context.catalogue[entry(context, "viscous_friction")].clone();
+            assert!(!bare.repeats(&other) && !bare.frozen(&[1.7]).repeats(&known));
         });
     }
 }

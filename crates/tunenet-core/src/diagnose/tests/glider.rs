@@ -40,6 +40,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         forecast_share: 1.0,
         exact_twins: Vec::new(),
         restates: Vec::new(),
+        repeated_by: Vec::new(),
     }
 }
 

@@ -81,6 +81,7 @@ impl MeasurementEffect {
             forecast_share: 1.0,
             exact_twins: Vec::new(),
             restates: Vec::new(),
+            repeated_by: Vec::new(),
         }
     }
 }

@@ -100,6 +100,7 @@ impl ArmEffect {
             forecast_share: 1.0,
             exact_twins: Vec::new(),
             restates: Vec::new(),
+            repeated_by: Vec::new(),
         }
     }
 

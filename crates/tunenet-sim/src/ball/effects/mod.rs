@@ -150,6 +150,7 @@ impl BallEffect {
             forecast_share: self.forecast_share,
             exact_twins: Vec::new(),
             restates: Vec::new(),
+            repeated_by: Vec::new(),
         }
     }
 }

@@ -49,6 +49,8 @@ pub struct RobotEffect {
     pub mistaken_for: &'static [&'static str],
     /// The key of a joint that it states anew.
     pub restates: Option<&'static str>,
+    /// The number of every joint that does the same.
+    repeated_by: Option<Number>,
     /// Effects that no recording distinguishes from it.
     pub twins: &'static [RobotTwin],
     act: Act,
@@ -125,8 +127,20 @@ fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
         sentence: effect.sentence,
         mistaken_for: effect.mistaken_for,
         restates: None,
+        repeated_by: repeating(effect.name),
         twins: &[],
         act: Act::Arm(effect.apply),
+    }
+}
+
+/// The number of every joint that does the same as an effect that arms have too.
+fn repeating(name: &str) -> Option<Number> {
+    match name {
+        "viscous_friction" => Some(Number::Viscous),
+        "coulomb_friction" => Some(Number::Coulomb),
+        "armature" => Some(Number::Armature),
+        "joint_offset" => Some(Number::Zero),
+        _ => None,
     }
 }
 
@@ -165,6 +179,9 @@ impl RobotEffect {
             restates: self.restates.map_or_else(Vec::new, |key| {
                 joints.iter().map(|joint| format!("joints.{joint}.{key}").into()).collect()
             }),
+            repeated_by: self
+                .repeated_by
+                .map_or_else(Vec::new, |number| joints.iter().map(|joint| number.parameter_of(joint).into()).collect()),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
             ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
@@ -220,6 +237,8 @@ mod tests {
         assert_eq!(twins("time_delay", false).len(), 1);
         let gain = RobotEffect::find("firmware_gain").unwrap().entry(&["a", "b"], |_| true);
         assert_eq!(gain.restates, ["joints.a.gain_1_rad", "joints.b.gain_1_rad"]);
+        let friction = RobotEffect::find("coulomb_friction").unwrap().entry(&["a", "b"], |_| true);
+        assert_eq!(friction.repeated_by, ["a__coulomb", "b__coulomb"]);
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "a released motor still brakes the joint in proportion to its speed",
     mistaken_for: &["viscous_friction", "release_delay"],
     restates: None,
+    repeated_by: None,
     twins: &[],
     act: Act::Drives(|drive, c| drive.release_braking_nms_rad += c[0]),
 };
