@@ -7,6 +7,7 @@
 //! | `null` | the simulation without effects, from several starts |
 //! | `score` | candidates by a score test with steps of visible size |
 //! | `stage` | candidates fitted in addition to a hypothesis, and back-substitution |
+//! | `wide_search` | candidates from starts across their bounds, where none is found from where they are absent |
 //! | `selection` | forward selection with a gate of held-out recordings |
 
 mod null;
@@ -14,7 +15,8 @@ mod scale;
 mod score;
 mod selection;
 mod stage;
+mod wide_search;
 
-pub(in crate::diagnose) use null::{better_null, fit_null};
+pub(in crate::diagnose) use null::{better_null, fit_null, lower_null};
 pub(in crate::diagnose) use scale::is_far_above_noise;
 pub(in crate::diagnose) use selection::{Gated, search_gated};

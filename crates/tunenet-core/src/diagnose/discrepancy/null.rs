@@ -94,6 +94,19 @@ pub(in crate::diagnose) fn better_null<'a>(
     Ok(Some(Hypothesis { structure, fit }))
 }
 
+/// The simulation as it is, fitted from where `near` stands, where that is a better minimum than `base`.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(in crate::diagnose) fn lower_null<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    near: &Hypothesis<'a>,
+) -> Result<Option<Hypothesis<'a>>> {
+    let found = context.fit_near_with(&[], near, FINISH)?;
+    Ok((found.fit.cost < base.fit.cost - BETTER).then_some(found))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,6 +119,19 @@ mod tests {
         in_swings(&[], 3, 0, |context| {
             let base = fit_null(context).unwrap();
             assert!((base.fit.point.parameters[0] - 0.8).abs() < 1e-3, "{:?}", base.fit.point.parameters);
+        });
+    }
+
+    #[test]
+    fn a_lower_minimum_replaces_a_fit_and_an_equal_one_does_not() {
+        in_swings(&[], 3, 0, |context| {
+            let best = fit_null(context).unwrap();
+            assert!(lower_null(context, &best, &best).unwrap().is_none());
+            let structure = context.structure(&[]).unwrap();
+            let mut fit = best.fit.clone();
+            fit.cost += 100.0;
+            let found = lower_null(context, &Hypothesis { structure, fit }, &best).unwrap().unwrap();
+            assert!((found.fit.cost - best.fit.cost).abs() < 1.0);
         });
     }
 

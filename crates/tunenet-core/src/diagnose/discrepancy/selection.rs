@@ -3,6 +3,7 @@
 
 use super::scale::{BRIEF, FINISH, rescaled};
 use super::stage::{Stage, brief_stage, stage};
+use super::wide_search::widened;
 use crate::Result;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
@@ -47,9 +48,13 @@ pub(in crate::diagnose) fn search_gated<'a>(
     loop {
         let effects = model.structure.effects.len();
         progress(scoring(&context, &model));
-        let found = stage(&context, model);
-        let admitted = if effects < most { admitted(&context, &found)? } else { None };
-        let Some((next, test)) = admitted else {
+        let mut found = stage(&context, model);
+        let mut next = if effects < most { admitted(&context, &found)? } else { None };
+        if effects == 0 && next.is_none() {
+            found = widened(&context, found);
+            next = admitted(&context, &found)?;
+        }
+        let Some((next, test)) = next else {
             stages.push(found);
             break;
         };

@@ -23,7 +23,13 @@ pub(super) struct Stage<'a> {
 
 /// Fits the most promising candidates in addition to `model`; the model improves where a candidate leads it to.
 pub(super) fn stage<'a>(context: &Context<'a>, model: Hypothesis<'a>) -> Stage<'a> {
-    let Stage { mut model, mut trials } = brief_stage(context, model, FITTED);
+    finish(context, brief_stage(context, model, FITTED))
+}
+
+/// The best candidates of a stage fitted to the end, and the model again from where they lead.
+pub(super) fn finish<'a>(context: &Context<'a>, stage: Stage<'a>) -> Stage<'a> {
+    let Stage { mut model, mut trials } = stage;
+    order(context, &model, &mut trials);
     let leading = trials.iter().filter(|trial| trial.model.is_some()).take(FINISHED).count();
     trials[..leading].par_iter_mut().for_each(|trial| {
         let Some(near) = &trial.model else { return };

@@ -14,7 +14,7 @@ mod unmeasured_axes;
 mod whole_record;
 
 use crate::Result;
-use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_noise, search_gated};
+use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_noise, lower_null, search_gated};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, add_exact_twins};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -203,23 +203,36 @@ const MOST_RETURNS: usize = 2;
 fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
     let mut base = fit_null(context)?;
     let mut returns = 0;
-    while !is_far_above_noise(&base) {
-        let again = Hypothesis { structure: context.structure(&[])?, fit: base.fit.clone() };
-        let attempt = WholeRecord.attempt(Attempt::started(context.clone(), again), progress)?;
-        let better = if returns < MOST_RETURNS { better_null(context, &base, &attempt.found)? } else { None };
+    loop {
+        while !is_far_above_noise(&base) {
+            let again = Hypothesis { structure: context.structure(&[])?, fit: base.fit.clone() };
+            let attempt = WholeRecord.attempt(Attempt::started(context.clone(), again), progress)?;
+            let better = if returns < MOST_RETURNS { better_null(context, &base, &attempt.found)? } else { None };
+            if let Some(better) = better {
+                (base, returns) = (better, returns + 1);
+                continue;
+            }
+            if attempt.residuals.passed() {
+                return Ok(attempt);
+            }
+            break;
+        }
+        let gated = search_gated(context, &base, progress)?;
+        // What leads out of a local minimum without a name of its own may lead to where nothing is missing.
+        let better = if gated.found.best.is_none() && returns <= MOST_RETURNS {
+            lower_null(context, &base, &gated.found.base)?.filter(|better| !is_far_above_noise(better))
+        } else {
+            None
+        };
         if let Some(better) = better {
-            (base, returns) = (better, returns + 1);
+            (base, returns) = (better, MOST_RETURNS + 1);
             continue;
         }
-        if attempt.residuals.passed() {
-            return Ok(attempt);
-        }
-        break;
+        let floor = noise_floor(context.sets());
+        let Gated { context, found, tests } = gated;
+        let practical = found.best.is_some().then_some(tests);
+        return Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? });
     }
-    let floor = noise_floor(context.sets());
-    let Gated { context, found, tests } = search_gated(context, &base, progress)?;
-    let practical = found.best.is_some().then_some(tests);
-    Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? })
 }
 
 #[cfg(test)]
