@@ -51,7 +51,7 @@ fn a_data_set_is_listed_with_units_that_have_to_be_said() {
     let named = folder.run("inspect set/episode_0 --sim a.toml --units deg --json").ends(0).json();
     assert_eq!(named["usable"], true);
     let absent = folder.run("tune --sim a.toml set --episodes 3-4 --units deg").ends(1);
-    assert!(absent.stderr.contains("found none of 3-4"), "{}", absent.stderr);
+    assert!(absent.stderr.contains("found 3-4"), "{}", absent.stderr);
     // A command that differs from its joint by a constant has no lag that could be found; the recording is read.
     let tuned = folder.run("tune --sim a.toml set --episodes 0 --units deg --json");
     assert!(tuned.json()["verdict"].is_string(), "{}", tuned.stderr);

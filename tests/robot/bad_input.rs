@@ -31,6 +31,7 @@ fn what_is_odd_in_a_recording_is_named() {
     let late = |t: f64| encoded(0.95 * goal(t - 0.05));
     let all = [
         ("robot.units", seen(|t| (57.3 * 4.0 * goal(t), 4.0 * late(t)))),
+        ("robot.steps", seen(|t| (0.9 * (goal(t + 0.01) - goal(t)), late(t)))),
         ("robot.leader", seen(|t| (encoded(goal(t)), encoded(goal(t))))),
         ("robot.still", seen(|t| (goal(t), encoded(0.0 * t)))),
         ("robot.clock", seen(|t| (goal(t), encoded(0.95 * goal(t - 1.0))))),

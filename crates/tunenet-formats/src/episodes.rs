@@ -130,17 +130,34 @@ pub fn episodes(path: impl AsRef<Path>, chosen: Option<&Selection>) -> Result<Op
         let all = names.iter().map(|name| path.join(name)).collect();
         return Ok((names.len() > 1).then_some(all));
     };
-    let (mut found, mut seen): (Vec<PathBuf>, BTreeSet<&str>) = Default::default();
-    for (first, last) in &chosen.ranges {
-        let within = names.iter().filter(|name| numbered::split(name).1.is_some_and(|n| (*first..=*last).contains(&n)));
-        found.extend(within.filter(|name| seen.insert(name)).map(|name| path.join(name)));
+    match chosen.among(&names) {
+        Ok(found) => Ok(Some(found.into_iter().map(|name| path.join(name)).collect())),
+        Err(lost) => {
+            let there = list(names.iter().map(String::as_str), 6);
+            let message = format!("expected episodes that are there ({there}), found {lost}");
+            Err(Error::file(path, message, "choose others with `--episodes`"))
+        }
     }
-    if found.is_empty() {
-        let there = list(names.iter().map(String::as_str), 6);
-        let message = format!("expected an episode that is there ({there}), found none of {}", chosen.text);
-        return Err(Error::file(path, message, "choose others with `--episodes`"));
+}
+
+impl Selection {
+    /// Those of `names` that it asks for, each once, in its order.
+    ///
+    /// # Errors
+    /// The first part that asks for what is not there: an episode, or a range that has none or ends beyond the last.
+    fn among<'a>(&self, names: &'a [String]) -> std::result::Result<Vec<&'a str>, &str> {
+        let last = names.iter().filter_map(|name| numbered::split(name).1).max();
+        let (mut found, mut seen): (Vec<&str>, BTreeSet<&str>) = Default::default();
+        for ((from, to), part) in self.ranges.iter().zip(self.text.split(',')) {
+            let asked = |name: &&String| numbered::split(name).1.is_some_and(|n| (*from..=*to).contains(&n));
+            let mut within = names.iter().filter(asked).map(String::as_str).peekable();
+            if within.peek().is_none() || last.is_some_and(|last| *to > last) {
+                return Err(part.trim());
+            }
+            found.extend(within.filter(|name| seen.insert(name)));
+        }
+        Ok(found)
     }
-    Ok(Some(found))
 }
 
 /// Whether a path is that of an episode in a file or folder, which has no file of its own.
@@ -171,6 +188,19 @@ fn names(_: &Path) -> Result<Option<Vec<String>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn episodes_that_are_not_there_are_not_left_out_silently() {
+        let names: Vec<String> = [0, 1, 3, 4].iter().map(|n| format!("demo_{n}")).collect();
+        let among = |text: &str| {
+            let chosen = text.parse::<Selection>().unwrap();
+            chosen.among(&names).map(|found| found.len()).map_err(str::to_owned)
+        };
+        assert_eq!(among("0-4"), Ok(4), "a number that is missing within");
+        assert_eq!(among("4,0-1,0"), Ok(3));
+        assert_eq!(among("0,3-9"), Err("3-9".into()));
+        assert_eq!(among("2"), Err("2".into()));
+    }
 
     #[test]
     fn a_selection_is_numbers_and_ranges() {

@@ -96,6 +96,9 @@ finding_kinds! {
     warning INPUT_SHORT = "inputs.short",
         "the recording goes on after its input; it is used up to the input's last sample",
         "record the input to the end";
+    note INPUT_LONG = "inputs.long",
+        "the inputs go on after the last sample that `[record]` has; what comes later is not simulated",
+        "state more samples: `record.frames`";
     note INPUT_DEFAULT = "inputs.default",
         "the recording does not have an input; its `default` is used",
         "none needed";

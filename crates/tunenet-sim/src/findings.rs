@@ -93,6 +93,9 @@ finding_kinds! {
     warning ROBOT_LEADER = "robot.leader",
         "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
         "record the positions of the follower";
+    warning ROBOT_STEPS = "robot.steps",
+        "the commands of a joint are followed by its speed: they are steps, as of a policy, not positions to go to; the recording is not used",
+        "record the positions that it was sent to, or add up the steps";
     warning ROBOT_CLOCK = "robot.clock",
         "the commands of a joint fit its motion far better almost a second or more earlier or later",
         "give both the same clock";

@@ -141,10 +141,10 @@ pub struct Effect {
     /// Empty for an effect of which the simulation holds no number.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub restates: Vec<Text>,
-    /// For each coefficient, the parameter of the simulator that does the same: where all of these are tuned, nothing is left for the
-    /// effect to explain. Empty for an effect that no parameter repeats.
+    /// For each coefficient, the parameters of the simulator that together do the same: where all of these are tuned, nothing is left
+    /// for the effect to explain. Empty for an effect that no parameters repeat.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub repeated_by: Vec<Text>,
+    pub repeated_by: Vec<Vec<Text>>,
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
     pub implausible: Option<Text>,

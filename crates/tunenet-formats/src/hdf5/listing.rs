@@ -24,7 +24,9 @@ impl Demonstrations {
         let column = |(i, name): (usize, &String)| {
             EpisodeColumn::of(name, &first.column(i).collect::<Vec<f64>>(), &options.units)
         };
-        let columns: Vec<EpisodeColumn> = first.names.iter().enumerate().map(column).collect();
+        // The clock is no joint.
+        let joints = first.names.iter().enumerate().filter(|(_, name)| !is_clock(name, options));
+        let columns: Vec<EpisodeColumn> = joints.map(column).collect();
         let mut episodes = Vec::with_capacity(self.episodes.len());
         let listed = self.episodes.iter().filter(|(_, group)| named.is_none_or(|named| named == group));
         for (i, (name, group)) in listed.enumerate() {

@@ -197,7 +197,7 @@ fn several_episodes_are_chosen_by_name_or_number() {
     assert_eq!(names("1-2"), ["episode_1", "episode_2"]);
     assert_eq!(names("2,0"), ["episode_2", "episode_0"]);
     let absent = episodes(&old, Some(&"5-7".parse().unwrap())).unwrap_err().to_string();
-    assert!(absent.contains("found none of 5-7"), "{absent}");
+    assert!(absent.contains("found 5-7"), "{absent}");
     // A folder above it is the data set as well.
     assert_eq!(read(old.parent().unwrap().join("old/episode_1"), &state("rad")).unwrap().observation.len(), 50);
 }

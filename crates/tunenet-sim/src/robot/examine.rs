@@ -34,6 +34,8 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const NEAR_DEGREES: f64 = 0.25;
 const FOLLOWS: f64 = 0.8;
 const FOLLOWING_LAGS: u32 = 25;
+/// Steps of a joint span less than one of so many parts of its way.
+const SMALL_STEPS: f64 = 3.0;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
@@ -225,6 +227,14 @@ fn position(
         let remedy = "state the unit of the commands and that of the positions, each as it was recorded";
         return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
     }
+    if commanded < moved / SMALL_STEPS && follows_as_steps(seen.clock(), &values, |t| command.at(0, t)) {
+        let text = format!(
+            "commands of `{name}` span {} and follow its speed: expected positions to go to, found steps",
+            with_decimals(commanded, 3)
+        );
+        let remedy = "record the positions that it was sent to, or add up the steps";
+        return Some((Note::new(findings::ROBOT_STEPS, text, remedy), true));
+    }
     let resolution = encoder_step(&values).max(1e-6);
     if commanded > 10.0 * resolution && goals.iter().zip(&values).all(|(goal, q)| (goal - q).abs() <= resolution) {
         let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
@@ -258,6 +268,22 @@ fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opt
     let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
     let best = lags.filter_map(at_lag).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > FOLLOWS).then_some(best.1)
+}
+
+/// Whether a joint goes by its commands, not to them: they explain its speed, and its position hardly, at any of the lags.
+fn follows_as_steps(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> bool {
+    let speeds = values.windows(2).zip(clock.windows(2)).map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0]));
+    let (seen, speeds) = (centred(values.to_vec()), centred(speeds.collect()));
+    let explained = |of: &[f64], lag: f64| {
+        let goals = centred(clock[..of.len()].iter().map(|t| command(t - lag)).collect());
+        let (both, product) = (dot(&goals, of), dot(&goals, &goals) * dot(of, of));
+        if product > 0.0 { both.max(0.0).powi(2) / product } else { 0.0 }
+    };
+    let best = |of: &[f64]| {
+        let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
+        lags.map(|lag| explained(of, lag)).fold(0.0, f64::max)
+    };
+    best(&speeds) > FOLLOWS && best(&seen) < 1.0 - FOLLOWS
 }
 
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
@@ -310,6 +336,16 @@ mod tests {
         assert!((following(&clock, &late(1.0), goal).unwrap() - 0.9).abs() < 0.02);
         let swings: Vec<f64> = clock.iter().map(|t| 40.0 * (11.0 * t).cos()).collect();
         assert_eq!(following(&clock, &swings, goal), None);
+    }
+
+    #[test]
+    fn steps_are_followed_by_the_speed_and_goals_by_the_position() {
+        let clock: Vec<f64> = (0..400).map(|i| 0.02 * f64::from(i)).collect();
+        let goal = |t: f64| 0.6 * (1.1 * t).sin() + 0.4 * (2.7 * t).cos();
+        let late: Vec<f64> = clock.iter().map(|t| goal(t - 0.1)).collect();
+        let step = |t: f64| goal(t + 0.02) - goal(t);
+        assert!(follows_as_steps(&clock, &late, step));
+        assert!(!follows_as_steps(&clock, &late, goal));
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
     }
     let one = |joint: &&Joint| {
         let mapped = options.joints.iter().find(|(name, _)| is_called(joint, name)).map(|(_, column)| column.clone());
-        let same = |name: &str| name == joint.name || plain(name) == plain(&joint.name);
+        let same = |name: &str| plain(position(name)) == plain(&joint.name);
         let state = mapped.or_else(|| found.columns.iter().map(|c| c.name.clone()).find(|name| same(name)))?;
         let (state, command) = match state.split_once(':') {
             Some((state, command)) => (state.to_owned(), command.to_owned()),
@@ -69,6 +69,11 @@ pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<Jo
         );
     }
     Ok(all)
+}
+
+/// The joint whose position a column is: `elbow` of `elbow.pos`, where the recording has `elbow.vel` as well.
+fn position(column: &str) -> &str {
+    [".pos", ".position"].iter().find_map(|ending| column.strip_suffix(ending)).unwrap_or(column)
 }
 
 /// Whether a name is that of the joint, or what the model calls it.
@@ -113,5 +118,16 @@ fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         0 if names.is_empty() => "none".into(),
         0 => names.join(", "),
         more => format!("{} and {more} more", names[..MOST_LISTED].join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::position;
+
+    #[test]
+    fn a_column_of_positions_is_its_joint() {
+        let of = ["elbow.pos", "left.elbow.position", "elbow", "elbow.vel"].map(position);
+        assert_eq!(of, ["elbow", "left.elbow", "elbow", "elbow.vel"]);
     }
 }

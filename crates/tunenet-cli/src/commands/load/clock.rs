@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::observation::{Kind, Observation};
-use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, read_start, refuse_unused_options};
+use tunenet_core::observation::{Kind, Note, Observation, with_decimals};
+use tunenet_formats::{Error, ReadOptions, Recording, findings, read_if_there, read_start, refuse_unused_options};
 use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
@@ -45,9 +45,29 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
         return Err(Error::file(file.path(), message, hint).into());
     }
     match given {
-        Some(path) => inputs::attach(file, path, recording, 0, options),
+        Some(path) => {
+            let mut driven = inputs::attach(file, path, recording, 0, options)?;
+            driven.notes.extend(goes_on(file, &driven.observation));
+            Ok(driven)
+        }
         None => inputs::defaults(file, recording),
     }
+}
+
+/// That inputs go on after the last sample of `[record]`.
+fn goes_on(file: &SimulationFile, driven: &Observation) -> Option<Note> {
+    let record = file.record();
+    let end = *driven.clock().last()?;
+    let ends = driven.circumstances()?.inputs.iter().filter_map(|input| input.series().clock().last().copied());
+    let longest = ends.filter(|last| last.is_finite()).fold(end, f64::max);
+    if longest <= end + 1.5 / record.rate_hz {
+        return None;
+    }
+    let (last, end) = (with_decimals(longest, 2), with_decimals(end, 2));
+    let text = format!("the inputs go on to {last} s, and [record] ends at {end} s: what comes later is not simulated");
+    let frames = (longest * record.rate_hz).floor() + 1.0;
+    let remedy = format!("to simulate all of them: `--set record.frames={frames}`");
+    Some(Note::new(findings::INPUT_LONG, text, remedy))
 }
 
 /// Whether a file says where a channel starts.

@@ -17,8 +17,8 @@ const FIRST: Effort = Effort { steps: 4, derivatives: 2, ends_measured: false, t
 /// The ratio of one value of the grid to the next, from a typical size to the bound, and the most values to a side.
 const RATIO: f64 = 1.6;
 const MOST_VALUES: usize = 9;
-/// Candidates that are looked at, most promising first.
-const MOST_CANDIDATES: usize = 40;
+/// Rollouts of first parts that this takes at most, by candidates in their order, most promising first.
+const BUDGET: usize = 30_000;
 /// Starts that go on: so many that suit the first part best, and as many that suit the whole best.
 const GOING_ON: usize = 6;
 
@@ -34,10 +34,11 @@ struct Start<'a> {
 /// The stage with candidates fitted from afar where that is better than from where they are absent.
 pub(super) fn widened<'a>(context: &Context<'a>, mut stage: Stage<'a>) -> Stage<'a> {
     let model = &stage.model;
-    let open = stage.trials.iter().enumerate().filter(|(_, trial)| trial.excluded.is_none()).take(MOST_CANDIDATES);
-    let places: Vec<(usize, usize)> = open.map(|(place, trial)| (place, trial.entry)).collect();
-    let starts: Vec<(usize, usize, usize, f64)> =
-        places.iter().flat_map(|&(place, entry)| grid_of(context, model, (place, entry))).collect();
+    let open = stage.trials.iter().enumerate().filter(|(_, trial)| trial.excluded.is_none());
+    let of_each = FIRST.derivatives * (model.structure.globals.len() + 1) + FIRST.steps + 2;
+    let affordable = BUDGET / (of_each * context.sets().len()).max(1);
+    let grids = open.flat_map(|(place, trial)| grid_of(context, model, (place, trial.entry)));
+    let starts: Vec<(usize, usize, usize, f64)> = grids.take(affordable).collect();
     let first = starts.par_iter().filter_map(|start| first_fit(context, model, *start));
     let mut first: Vec<Start> = first.collect();
     first.sort_by(|a, b| a.model.fit.cost.total_cmp(&b.model.fit.cost));

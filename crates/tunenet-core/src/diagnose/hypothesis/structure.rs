@@ -127,7 +127,7 @@ impl<'a> Structure<'a> {
         objects.peek().is_some()
             && objects.all(|(object, effect)| {
                 let mut seen = effect.repeated_by.iter().zip(&entry.seen).filter(|(_, seen)| **seen).peekable();
-                seen.peek().is_some() && seen.all(|(name, _)| tuned(object, name))
+                seen.peek().is_some() && seen.all(|(names, _)| names.iter().all(|name| tuned(object, name)))
             })
     }
 
@@ -220,7 +220,7 @@ mod tests {
             let bare = context.structure(&[]).unwrap();
             let mut known = context.catalogue[entry(context, "rest_angle")].clone();
             assert!(!bare.repeats(&known));
-            known.of[0].repeated_by = vec!["length".into()];
+            known.of[0].repeated_by = vec![vec!["length".into()]];
             assert!(bare.repeats(&known));
             let other = context.catalogue[entry(context, "viscous_friction")].clone();
             assert!(!bare.repeats(&other) && !bare.frozen(&[1.7]).repeats(&known));

@@ -213,7 +213,7 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
                 continue;
             }
             if attempt.residuals.passed() {
-                return Ok(attempt);
+                return borne_out(attempt);
             }
             break;
         }
@@ -235,10 +235,38 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     }
 }
 
+/// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise.
+fn borne_out(attempt: Attempt) -> Result<Attempt> {
+    let (Some(best), Some(before)) = (&attempt.found.best, &attempt.before) else { return Ok(attempt) };
+    let after = validate(&attempt.context, best)?;
+    let worse = after.is_some_and(|after| after.rmse >= before.rmse);
+    if !worse || !residual_diagnostics(&attempt.context, &attempt.found.base).passed() {
+        return Ok(attempt);
+    }
+    let found = Selection { best: None, places: Vec::new(), ..attempt.found };
+    Attempt::tested(attempt.context, found, Scope::Whole, None)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    /// What held-out recordings bear out stays, and what they do not goes where nothing else is left.
+    #[test]
+    fn an_effect_that_held_out_recordings_do_not_bear_out_is_dropped() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let found = WholeRecord.attempt(Attempt::tuned(context).unwrap(), &|_| {}).unwrap();
+            assert_eq!(borne_out(found).unwrap().last().structure.effects.len(), 1);
+        });
+        in_swings(&[], 4, 1, |context| {
+            let mut found = WholeRecord.attempt(Attempt::tuned(context).unwrap(), &|_| {}).unwrap();
+            let mut wrong = context.fit_near(&[0], &found.found.base).unwrap();
+            *wrong.fit.point.parameters.last_mut().unwrap() += 0.1;
+            found.found.best = Some(wrong);
+            assert!(borne_out(found).unwrap().last().structure.effects.is_empty());
+        });
+    }
 
     #[test]
     fn a_tuned_simulation_has_looked_for_no_effect_yet() {

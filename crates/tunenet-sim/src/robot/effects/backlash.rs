@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the link moves freely within a gap of this width before the gear carries it",
     mistaken_for: &["dead_band", "joint_elasticity", "joint_spring"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.gap_rad += c[0]),
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the motor acts on commands of some time ago",
     mistaken_for: &["time_delay", "position_latch", "firmware_damping"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[RobotTwin {
         name: "time_delay",
         side: Side::Any,

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the motor goes to a position that lies this much above its command",
     mistaken_for: &["directional_friction", "joint_offset", "base_tilt"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.command_offset_rad += c[0]),
 };

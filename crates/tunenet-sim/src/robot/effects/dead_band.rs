@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the firmware asks for nothing while the error is smaller than this, and for the rest of it beyond",
     mistaken_for: &["coulomb_friction", "command_offset", "joint_offset", "backlash"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.dead_band_rad += c[0]),
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "friction is larger by this much in the direction of positive speed, and smaller in the other",
     mistaken_for: &["command_offset", "joint_offset", "load_friction"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.directional_nm += c[0]),
 };

@@ -14,7 +14,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the firmware gives at most this fraction of the duty that the file allows",
     mistaken_for: &["firmware_gain", "speed_limit"],
     restates: Some("duty_max"),
-    repeated_by: None,
+    repeated_by: &[],
     // A · clip(g c kp e, 1) is clip(c kp e, d) times A/d with d = 1/g.
     twins: &[RobotTwin {
         name: "firmware_gain",

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the firmware takes duty away in proportion to the speed",
     mistaken_for: &["firmware_gain", "command_delay", "load_friction"],
     restates: Some("kd"),
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.kd += c[0]),
 };

@@ -14,7 +14,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the gain of the firmware is this many times what the file says",
     mistaken_for: &["duty_limit", "firmware_damping", "load_friction"],
     restates: Some("gain_1_rad"),
-    repeated_by: None,
+    repeated_by: &[],
     // A · clip(g c kp e, 1) is clip(c kp e, d) times A/d with d = 1/g.
     twins: &[RobotTwin {
         name: "duty_limit",

@@ -14,7 +14,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the gear gives way: the motor turns ahead of the link by e times the torque that it carries",
     mistaken_for: &["joint_offset", "joint_spring", "armature", "torque_gain"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Arm(|arm, c| arm.elasticity_rad_nm.iter_mut().zip(c).for_each(|(own, more)| *own += more)),
 };

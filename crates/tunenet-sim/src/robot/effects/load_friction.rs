@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the friction of the gear grows with the torque that it carries, by the factor mu",
     mistaken_for: &["coulomb_friction", "firmware_gain", "firmware_damping"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.load_friction += c[0]),
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "loads are this much farther from the origin of their link than the file says",
     mistaken_for: &["firmware_gain", "joint_spring", "payload_com_offset"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Robot(|robot, c| robot.load_offset_m += c[0]),
 };

@@ -49,8 +49,8 @@ pub struct RobotEffect {
     pub mistaken_for: &'static [&'static str],
     /// The key of a joint that it states anew.
     pub restates: Option<&'static str>,
-    /// The number of every joint that does the same.
-    repeated_by: Option<Number>,
+    /// The numbers of every joint that together do the same.
+    repeated_by: &'static [Number],
     /// Effects that no recording distinguishes from it.
     pub twins: &'static [RobotTwin],
     act: Act,
@@ -134,13 +134,13 @@ fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
 }
 
 /// The number of every joint that does the same as an effect that arms have too.
-fn repeating(name: &str) -> Option<Number> {
+fn repeating(name: &str) -> &'static [Number] {
     match name {
-        "viscous_friction" => Some(Number::Viscous),
-        "coulomb_friction" => Some(Number::Coulomb),
-        "armature" => Some(Number::Armature),
-        "joint_offset" => Some(Number::Zero),
-        _ => None,
+        "viscous_friction" => &[Number::Viscous],
+        "coulomb_friction" => &[Number::Coulomb],
+        "armature" => &[Number::Armature],
+        "joint_offset" => &[Number::Zero],
+        _ => &[],
     }
 }
 
@@ -172,6 +172,8 @@ impl RobotEffect {
         let coefficients = self.coefficients.iter().flat_map(of_joints).collect();
         let known = |name: &&&str| OF_ARMS.contains(name) || OWN.iter().any(|own| own.name == **name);
         let twins = self.twins.iter().filter(|twin| twin.tuned.is_none_or(&tuned));
+        let repeating =
+            |joint: &&str| self.repeated_by.iter().map(|number| number.parameter_of(joint).into()).collect();
         let twin =
             |one: &RobotTwin| Twin { name: one.name.into(), side: one.side, separated_by: one.separated_by.into() };
         Effect {
@@ -179,9 +181,7 @@ impl RobotEffect {
             restates: self.restates.map_or_else(Vec::new, |key| {
                 joints.iter().map(|joint| format!("joints.{joint}.{key}").into()).collect()
             }),
-            repeated_by: self
-                .repeated_by
-                .map_or_else(Vec::new, |number| joints.iter().map(|joint| number.parameter_of(joint).into()).collect()),
+            repeated_by: if self.repeated_by.is_empty() { Vec::new() } else { joints.iter().map(repeating).collect() },
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
             ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
@@ -238,7 +238,9 @@ mod tests {
         let gain = RobotEffect::find("firmware_gain").unwrap().entry(&["a", "b"], |_| true);
         assert_eq!(gain.restates, ["joints.a.gain_1_rad", "joints.b.gain_1_rad"]);
         let friction = RobotEffect::find("coulomb_friction").unwrap().entry(&["a", "b"], |_| true);
-        assert_eq!(friction.repeated_by, ["a__coulomb", "b__coulomb"]);
+        assert_eq!(friction.repeated_by, [["a__coulomb"], ["b__coulomb"]]);
+        let braking = RobotEffect::find("release_braking").unwrap().entry(&["a"], |_| true);
+        assert_eq!(braking.repeated_by, [["a__viscous", "a__back_emf"]]);
     }
 
     #[test]

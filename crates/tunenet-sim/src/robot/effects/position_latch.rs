@@ -14,7 +14,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the device renews the position that is read with this period, at an unknown phase",
     mistaken_for: &["time_delay", "command_delay"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Robot(|robot, c| robot.latch_s += c[0]),
 };

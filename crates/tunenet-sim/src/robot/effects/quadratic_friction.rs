@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the joint brakes in proportion to the square of its speed",
     mistaken_for: &["viscous_friction", "speed_limit", "firmware_damping"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.quadratic_nms2_rad2 += c[0]),
 };

@@ -2,6 +2,7 @@
 
 use tunenet_core::simulator::{Coefficient, Phase};
 
+use super::super::numbers::Number;
 use super::{Act, RobotEffect};
 
 pub(super) const EFFECT: RobotEffect = RobotEffect {
@@ -13,7 +14,8 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "a released motor still brakes the joint in proportion to its speed",
     mistaken_for: &["viscous_friction", "release_delay"],
     restates: None,
-    repeated_by: None,
+    // A motor that is on brakes by both, one that is released by the first alone.
+    repeated_by: &[Number::Viscous, Number::BackEmf],
     twins: &[],
     act: Act::Drives(|drive, c| drive.release_braking_nms_rad += c[0]),
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the firmware moves its own goal no faster than 1/s, `inverse_s_rad` being s; 0 is no limit",
     mistaken_for: &["command_delay", "duty_limit", "firmware_damping"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.inverse_speed_s_rad += c[0]),
 };

@@ -17,7 +17,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "joint friction is larger near rest: s · sign(w) · exp(-(w / v)²) is added at the speed w, v being `rad_s`",
     mistaken_for: &["coulomb_friction", "viscous_friction"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Arm(|arm, c| {
         let (size, speed) = c.split_at(c.len() / 2);

@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "joints are read as they were some time ago",
     mistaken_for: &["command_delay", "position_latch"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[RobotTwin {
         name: "command_delay",
         side: Side::Any,

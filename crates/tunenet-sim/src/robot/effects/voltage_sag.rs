@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     sentence: "the supply voltage falls with the current: a resistance in the supply",
     mistaken_for: &["duty_limit", "speed_limit"],
     restates: None,
-    repeated_by: None,
+    repeated_by: &[],
     twins: &[],
     act: Act::Drives(|drive, c| drive.sag_ohm += c[0]),
 };
