@@ -5,9 +5,11 @@ use super::scale::{BRIEF, FINISH, rescaled};
 use super::stage::{Stage, brief_stage, stage};
 use super::wide_search::widened;
 use crate::Result;
+use crate::diagnose::evidence::Evidence;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, scoring};
+use crate::diagnose::hypothesis::joint::spread;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::{Progress, Test};
 use crate::estimate::huber::huber_cost;
@@ -17,6 +19,10 @@ use crate::estimate::information_criterion::p_value;
 const FIRM: f64 = 2.0;
 /// What an effect leaves of held-out recordings, over what is left without it, as a robust sum of squares.
 const ADMITTED: f64 = 0.96;
+/// An effect that leaves more than so many times the noise may stand in a local minimum, from which a wide search leads out where it
+/// leaves less than this share of it.
+const OPEN: f64 = 5.0;
+const BETTER: f64 = 0.9;
 /// Candidates that are fitted in the place of an effect that others follow.
 const RIVALS: usize = 3;
 /// Those farther behind than so many margins are not.
@@ -31,13 +37,46 @@ pub(in crate::diagnose) struct Gated<'a> {
     pub tests: Vec<Test>,
 }
 
-/// Searches from the tuned simulation `base`.
+/// Searches from the tuned simulation `base`: candidates from where they are absent, and where these explain nothing or only one of them
+/// something, and that leaves far more than noise, the first from starts across their bounds as well.
 ///
 /// # Errors
 /// Where the simulator refuses.
 pub(in crate::diagnose) fn search_gated<'a>(
     context: &Context<'a>,
     base: &Hypothesis<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<Gated<'a>> {
+    let near = search_from(context, base, stage, progress)?;
+    let left = near.left_over(context)?;
+    let several = near.found.best.as_ref().is_some_and(|best| best.structure.effects.len() > 1);
+    if several || left.is_some_and(|left| left < OPEN) {
+        return Ok(near);
+    }
+    let wide = search_from(context, base, |context, model| widened(context, stage(context, model)), progress)?;
+    let better = match (left, wide.left_over(context)?) {
+        (Some(left), Some(wide)) => wide < BETTER * left,
+        (left, _) => left.is_none(),
+    };
+    Ok(if better { wide } else { near })
+}
+
+impl Gated<'_> {
+    /// What its effects leave of the recordings that were fitted, in units of the noise that these have in `context`; `None` without
+    /// effects.
+    fn left_over(&self, context: &Context) -> Result<Option<f64>> {
+        let Some(best) = &self.found.best else { return Ok(None) };
+        let measured = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.0));
+        let residuals = measured.joint(&best.structure).residuals(&best.fit.point, 1.0)?;
+        Ok(Some(spread(&residuals)))
+    }
+}
+
+/// Searches from the tuned simulation `base`, the first effect by the stage that `first` makes.
+fn search_from<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    first: impl Fn(&Context<'a>, Hypothesis<'a>) -> Stage<'a>,
     progress: &dyn Fn(Progress),
 ) -> Result<Gated<'a>> {
     let (mut context, mut model) = rescaled(context, base)?;
@@ -48,13 +87,9 @@ pub(in crate::diagnose) fn search_gated<'a>(
     loop {
         let effects = model.structure.effects.len();
         progress(scoring(&context, &model));
-        let mut found = stage(&context, model);
-        let mut next = if effects < most { admitted(&context, &found)? } else { None };
-        if effects == 0 && next.is_none() {
-            found = widened(&context, found);
-            next = admitted(&context, &found)?;
-        }
-        let Some((next, test)) = next else {
+        let found = if effects == 0 { first(&context, model) } else { stage(&context, model) };
+        let admitted = if effects < most { admitted(&context, &found)? } else { None };
+        let Some((next, test)) = admitted else {
             stages.push(found);
             break;
         };
@@ -166,4 +201,31 @@ fn in_place<'a>(
         near.push((trial.entry, worth - gain(context, without, &rival, scale)));
     }
     Ok(near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::null::fit_null;
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings, names};
+
+    #[test]
+    fn what_held_out_recordings_bear_out_is_found_and_leaves_noise() {
+        in_swings(&[(FRICTION, 0.15)], 6, 3, |context| {
+            let base = fit_null(context).unwrap();
+            let gated = search_gated(context, &base, &|_| {}).unwrap();
+            let best = gated.found.best.as_ref().unwrap();
+            assert_eq!(names(&gated.context, &best.structure.effects), ["viscous_friction"]);
+            assert!(gated.tests.iter().all(|test| test.passed) && !gated.tests.is_empty());
+            assert!(gated.left_over(context).unwrap().unwrap() < 1.3);
+        });
+    }
+
+    #[test]
+    fn nothing_is_found_where_nothing_is_missing() {
+        in_swings(&[], 6, 3, |context| {
+            let gated = search_gated(context, &fit_null(context).unwrap(), &|_| {}).unwrap();
+            assert!(gated.found.best.is_none() && gated.left_over(context).unwrap().is_none());
+        });
+    }
 }
