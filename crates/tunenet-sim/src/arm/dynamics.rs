@@ -90,6 +90,11 @@ impl<'a> Recursion<'a> {
         }
     }
 
+    /// Places all bodies where those of another recursion over the same model are.
+    pub(crate) fn placed_as(&mut self, other: &Self) {
+        self.links.copy_from_slice(&other.links);
+    }
+
     /// Places all bodies at the position `q`.
     ///
     /// # Panics

@@ -16,18 +16,32 @@ const SWEEPS: usize = 200;
 /// A change of speed below this share of the greatest speed ends them.
 const SETTLED: f64 = 1e-13;
 
-/// The chain and its working memory.
+/// The chain and its working memory, which is allocated once: a step takes less time than its allocations would.
 struct Chain<'a> {
     joints: &'a [JointNumbers],
     weighing: Recursion<'a>,
     weightless: Recursion<'a>,
     mass: DMatrix<f64>,
+    /// The mass matrix with the braking of half a step, and its inverse.
+    braked: DMatrix<f64>,
     inverse: DMatrix<f64>,
     /// Torque that rigid bodies ask for at rest in acceleration.
     bias: Vec<f64>,
     zeros: Vec<f64>,
     unit: Vec<f64>,
     column: Vec<f64>,
+    /// What encoders read at the middle of the step, true positions there, and speeds.
+    measured: Vec<f64>,
+    place: Vec<f64>,
+    middle: Vec<f64>,
+    speeds: DVector<f64>,
+    impulse: DVector<f64>,
+    /// Speeds at the end of the step.
+    after: DVector<f64>,
+    /// The most impulse that friction takes forwards and backwards, and what it takes.
+    most: Vec<(f64, f64)>,
+    taken: Vec<f64>,
+    motors: Vec<Motor>,
 }
 
 /// Rolls out from the positions `q` and speeds `w` over the grid of `out`.
@@ -41,79 +55,95 @@ pub(super) fn roll(
     out: &mut Trajectory,
 ) -> Result<(), &'static str> {
     let n = joints.len();
-    let mut chain = Chain {
-        joints,
-        weighing: Recursion::new(model, gravity),
-        weightless: Recursion::new(model, Vector3::zeros()),
-        mass: DMatrix::zeros(n, n),
-        inverse: DMatrix::zeros(n, n),
-        bias: vec![0.0; n],
-        zeros: vec![0.0; n],
-        unit: vec![0.0; n],
-        column: vec![0.0; n],
-    };
+    let mut chain = Chain::new(joints, model, gravity);
     let (mut q, mut w) = (q.to_vec(), w.to_vec());
     let mut commands = vec![Command { goal: 0.0, on: 1.0 }; n];
-    let mut motors = vec![Motor { torque: 0.0, braking: 0.0, passive: 0.0 }; n];
     for k in 0..out.steps() {
         for (command, wire) in commands.iter_mut().zip(&mut *wires) {
             *command = wire.step(out.time(k), out.time(k + 1));
         }
-        let after = chain.step((&q, &w), &commands, &mut motors, out.step_s)?;
+        chain.step((&q, &w), &commands, out.step_s)?;
         for j in 0..n {
-            q[j] += 0.5 * out.step_s * (w[j] + after[j]);
+            let after = chain.after[j];
+            q[j] += 0.5 * out.step_s * (w[j] + after);
             if out.holds_torques() {
-                let motor = motors[j];
-                out.torque(k, j, motor.torque - (motor.braking - motor.passive) * 0.5 * (w[j] + after[j]));
+                let motor = chain.motors[j];
+                out.torque(k, j, motor.torque - (motor.braking - motor.passive) * 0.5 * (w[j] + after));
             }
-            w[j] = after[j];
+            w[j] = after;
             out.state(k + 1, j, q[j], w[j]);
         }
     }
     Ok(())
 }
 
-impl Chain<'_> {
-    /// The speeds after a step from `q` and `w`, and the motors that led there.
-    fn step(
-        &mut self,
-        (q, w): (&[f64], &[f64]),
-        commands: &[Command],
-        motors: &mut [Motor],
-        dt: f64,
-    ) -> Result<DVector<f64>, &'static str> {
-        let n = self.joints.len();
-        let measured: Vec<f64> = q.iter().zip(w).map(|(q, w)| q + 0.5 * dt * w).collect();
-        let place: Vec<f64> = measured.iter().zip(self.joints).map(|(q, joint)| q + joint.zero).collect();
-        self.weighing.place(&place);
-        self.weigh(&place);
-        let mut after = DVector::from_column_slice(w);
-        for _ in 0..PASSES {
-            let middle: Vec<f64> = w.iter().zip(after.iter()).map(|(a, b)| 0.5 * (a + b)).collect();
-            self.weighing.torques(&middle, &self.zeros, &mut self.bias);
-            let mut matrix = self.mass.clone();
-            let mut impulse = &self.mass * DVector::from_column_slice(w);
-            let mut most = Vec::with_capacity(n);
-            for (j, joint) in self.joints.iter().enumerate() {
-                let outside = -self.bias[j] - joint.spring * place[j];
-                motors[j] = motor(joint, commands[j], measured[j], middle[j]);
-                let Motor { torque, braking, passive } = motors[j];
-                matrix[(j, j)] += 0.5 * dt * braking;
-                impulse[j] += dt * (torque + outside) - 0.5 * dt * braking * w[j];
-                let carried = outside - (torque - (braking - passive) * middle[j]);
-                let (forward, backward) = joint.friction(middle[j], carried);
-                most.push((dt * forward, dt * backward));
-            }
-            let factor = matrix.cholesky().ok_or("a joint has no inertia: its armature or its links need some")?;
-            self.inverse = factor.inverse();
-            after = self.with_friction(impulse, &most);
+impl<'a> Chain<'a> {
+    fn new(joints: &'a [JointNumbers], model: &'a Model, gravity: Vector3<f64>) -> Self {
+        let n = joints.len();
+        let (square, vector, list) = (DMatrix::zeros(n, n), DVector::zeros(n), vec![0.0; n]);
+        Self {
+            joints,
+            weighing: Recursion::new(model, gravity),
+            weightless: Recursion::new(model, Vector3::zeros()),
+            mass: square.clone(),
+            braked: square.clone(),
+            inverse: square,
+            bias: list.clone(),
+            zeros: list.clone(),
+            unit: list.clone(),
+            column: list.clone(),
+            measured: list.clone(),
+            place: list.clone(),
+            middle: list.clone(),
+            speeds: vector.clone(),
+            impulse: vector.clone(),
+            after: vector,
+            most: vec![(0.0, 0.0); n],
+            taken: list,
+            motors: vec![Motor { torque: 0.0, braking: 0.0, passive: 0.0 }; n],
         }
-        Ok(after)
     }
 
-    /// The mass matrix at a position, armatures included.
-    fn weigh(&mut self, place: &[f64]) {
-        self.weightless.place(place);
+    /// The speeds after a step from `q` and `w`, and the motors that led there.
+    fn step(&mut self, (q, w): (&[f64], &[f64]), commands: &[Command], dt: f64) -> Result<(), &'static str> {
+        for (j, joint) in self.joints.iter().enumerate() {
+            self.measured[j] = q[j] + 0.5 * dt * w[j];
+            self.place[j] = self.measured[j] + joint.zero;
+        }
+        self.weighing.place(&self.place);
+        self.weigh();
+        self.after.copy_from_slice(w);
+        self.speeds.copy_from_slice(w);
+        for pass in 0..PASSES {
+            for (j, middle) in self.middle.iter_mut().enumerate() {
+                *middle = 0.5 * (w[j] + self.after[j]);
+            }
+            self.weighing.torques(&self.middle, &self.zeros, &mut self.bias);
+            self.impulse.gemv(1.0, &self.mass, &self.speeds, 0.0);
+            let mut renewed = pass == 0;
+            for (j, joint) in self.joints.iter().enumerate() {
+                let (place, measured, middle) = (self.place[j], self.measured[j], self.middle[j]);
+                let outside = -self.bias[j] - joint.spring * place;
+                let before = self.motors[j].braking;
+                self.motors[j] = motor(joint, commands[j], measured, middle);
+                let Motor { torque, braking, passive } = self.motors[j];
+                renewed |= braking != before;
+                self.impulse[j] += dt * (torque + outside) - 0.5 * dt * braking * w[j];
+                let carried = outside - (torque - (braking - passive) * middle);
+                let (forward, backward) = joint.friction(middle, carried);
+                self.most[j] = (dt * forward, dt * backward);
+            }
+            if renewed {
+                self.brake(dt)?;
+            }
+            self.rub();
+        }
+        Ok(())
+    }
+
+    /// The mass matrix where the chain is, armatures included.
+    fn weigh(&mut self) {
+        self.weightless.placed_as(&self.weighing);
         for j in 0..self.joints.len() {
             self.unit.fill(0.0);
             self.unit[j] = 1.0;
@@ -123,19 +153,38 @@ impl Chain<'_> {
         }
     }
 
-    /// Speeds for this impulse, less what friction may take of it.
-    fn with_friction(&self, impulse: DVector<f64>, most: &[(f64, f64)]) -> DVector<f64> {
-        let mut speeds = &self.inverse * impulse;
-        let mut taken = vec![0.0; most.len()];
+    /// The inverse of the mass matrix with the braking of the motors.
+    fn brake(&mut self, dt: f64) -> Result<(), &'static str> {
+        self.braked.copy_from(&self.mass);
+        for (j, motor) in self.motors.iter().enumerate() {
+            self.braked[(j, j)] += 0.5 * dt * motor.braking;
+        }
+        self.inverse.copy_from(&self.braked);
+        let inverted = self.inverse.try_inverse_mut();
+        let heavy = (0..self.motors.len()).all(|j| self.inverse[(j, j)] > 0.0 && self.inverse[(j, j)].is_finite());
+        if inverted && heavy { Ok(()) } else { Err("a joint has no inertia: its armature or its links need some") }
+    }
+
+    /// Speeds for the impulse, less what friction may take of it.
+    fn rub(&mut self) {
+        let (inverse, speeds, taken) = (&self.inverse, &mut self.after, &mut self.taken);
+        // What friction takes changes little from step to step.
+        for (taken, (forward, backward)) in taken.iter_mut().zip(&self.most) {
+            *taken = taken.clamp(-forward, *backward);
+        }
+        for (impulse, taken) in self.impulse.iter_mut().zip(&*taken) {
+            *impulse += taken;
+        }
+        speeds.gemv(1.0, inverse, &self.impulse, 0.0);
         for _ in 0..SWEEPS {
             let mut change: f64 = 0.0;
-            for (j, (forward, backward)) in most.iter().enumerate() {
+            for (j, (forward, backward)) in self.most.iter().enumerate() {
                 let before: f64 = taken[j];
-                taken[j] = (before - speeds[j] / self.inverse[(j, j)]).clamp(-forward, *backward);
+                taken[j] = (before - speeds[j] / inverse[(j, j)]).clamp(-forward, *backward);
                 let by = taken[j] - before;
                 if by != 0.0 {
-                    speeds.axpy(by, &self.inverse.column(j), 1.0);
-                    change = change.max((by * self.inverse[(j, j)]).abs());
+                    speeds.axpy(by, &inverse.column(j), 1.0);
+                    change = change.max((by * inverse[(j, j)]).abs());
                 }
             }
             if change <= SETTLED * dot(speeds.as_slice(), speeds.as_slice()).sqrt() {
@@ -143,12 +192,11 @@ impl Chain<'_> {
             }
         }
         // What friction holds does not move, not even by rounding.
-        for (j, (forward, backward)) in most.iter().enumerate() {
+        for (j, (forward, backward)) in self.most.iter().enumerate() {
             if taken[j] > -forward && taken[j] < *backward {
                 speeds[j] = 0.0;
             }
         }
-        speeds
     }
 }
 
