@@ -270,7 +270,7 @@ fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opt
     (best.0 > FOLLOWS).then_some(best.1)
 }
 
-/// Whether a joint goes by its commands, not to them: they explain its speed, and its position hardly, at any of the lags.
+/// Whether a joint goes by its commands, not to them: at the best of the lags, they explain its speed, and better than its position.
 fn follows_as_steps(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> bool {
     let speeds = values.windows(2).zip(clock.windows(2)).map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0]));
     let (seen, speeds) = (centred(values.to_vec()), centred(speeds.collect()));
@@ -283,7 +283,8 @@ fn follows_as_steps(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64)
         let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
         lags.map(|lag| explained(of, lag)).fold(0.0, f64::max)
     };
-    best(&speeds) > FOLLOWS && best(&seen) < 1.0 - FOLLOWS
+    let by_speed = best(&speeds);
+    by_speed > FOLLOWS && by_speed > best(&seen)
 }
 
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
