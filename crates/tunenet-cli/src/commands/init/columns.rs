@@ -8,7 +8,7 @@ use tunenet_formats::Episodes;
 use tunenet_sim::arm::model_file::key_of;
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::{JointColumns, is_name};
+use tunenet_sim::simulation_file::JointColumns;
 
 use crate::args::Init;
 
@@ -92,27 +92,8 @@ pub fn held(model: &Model, columns: &[JointColumns]) -> Option<Note> {
     })
 }
 
-/// That the names of joints cannot stand in a simulation file.
-///
-/// # Errors
-/// [`Error::Setting`] where no joint of the model has a name that can.
-pub fn unnameable(model: &Model) -> Result<Option<Note>> {
-    let joints = model.joints();
-    let (named, others): (Vec<&Joint>, Vec<&Joint>) = joints.into_iter().partition(|joint| is_name(&joint.name));
-    if others.is_empty() {
-        return Ok(None);
-    }
-    let names = listed(others.iter().map(|joint| joint.name.as_str()));
-    if named.is_empty() {
-        let expected = "joints whose names differ in letters, digits and `_`".into();
-        return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
-    }
-    let text =
-        format!("joints whose names become the same key of a file (letters, digits and `_`) are held at 0: {names}");
-    Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
-}
-
-fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+/// Names in a message.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", visible(name))).collect();
     match names.len().saturating_sub(MOST_LISTED) {
         0 if names.is_empty() => "none".into(),

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_core::observation::Note;
+use tunenet_core::{Error, Origin};
 use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration};
-use tunenet_sim::arm::model_file;
+use tunenet_sim::arm::{Joint, Model, model_file};
+use tunenet_sim::findings;
 use tunenet_sim::robot::{stated_gravity, stated_motors};
-use tunenet_sim::simulation_file::{RobotStart, robot_template};
+use tunenet_sim::simulation_file::{RobotStart, is_name, robot_template};
 
-use super::columns::{columns, held, unnameable};
+use super::columns::{columns, held, listed};
 use super::flags::flags;
 use crate::args::Init;
 use crate::files::names::in_one_folder;
@@ -70,4 +72,24 @@ fn episodes(from: &Path, options: &Init) -> Result<Episodes> {
             Err(tunenet_formats::Error::file(from, message, hint).into())
         }
     }
+}
+
+/// That the names of joints cannot stand in a simulation file.
+///
+/// # Errors
+/// [`Error::Setting`] where no joint of the model has a name that can.
+fn unnameable(model: &Model) -> Result<Option<Note>> {
+    let joints = model.joints();
+    let (named, others): (Vec<&Joint>, Vec<&Joint>) = joints.into_iter().partition(|joint| is_name(&joint.name));
+    if others.is_empty() {
+        return Ok(None);
+    }
+    let names = listed(others.iter().map(|joint| joint.name.as_str()));
+    if named.is_empty() {
+        let expected = "joints whose names differ in letters, digits and `_`".into();
+        return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
+    }
+    let text =
+        format!("joints whose names become the same key of a file (letters, digits and `_`) are held at 0: {names}");
+    Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
 }
