@@ -1,6 +1,8 @@
 //! Grid search over the coefficients of candidates with growing horizons: what makes a motion swing has many local minima, and the first
 //! part of the recordings the fewest (as in multiple shooting: Bock and Plitt 1984).
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::scale::BRIEF;
@@ -14,12 +16,13 @@ use crate::diagnose::hypothesis::structure::Global;
 const HORIZONS: [f64; 3] = [0.3, 0.5, 0.75];
 /// The first of these fits, which every start gets.
 const FIRST: Effort = Effort { steps: 4, derivatives: 2, ends_measured: false, tolerance: 4.0, horizon: HORIZONS[0] };
-/// The ratio of one value of the grid to the next, from a typical size to the bound, and the most values to a side.
+/// The least value of the grid in typical sizes, the ratio of one to the next, up to the bound, and the most values to a side.
+const LEAST: f64 = 0.3;
 const RATIO: f64 = 1.6;
-const MOST_VALUES: usize = 9;
+const MOST_VALUES: usize = 11;
 /// Rollouts of first parts that this takes at most, by candidates in their order, most promising first.
 const BUDGET: usize = 30_000;
-/// Starts that go on: so many that suit the first part best, and as many that suit the whole best.
+/// Starts that go on: of every candidate the one that suits the first part best, and so many of all that suit the whole best.
 const GOING_ON: usize = 6;
 
 /// A start after its first fit.
@@ -42,7 +45,8 @@ pub(super) fn widened<'a>(context: &Context<'a>, mut stage: Stage<'a>) -> Stage<
     let first = starts.par_iter().filter_map(|start| first_fit(context, model, *start));
     let mut first: Vec<Start> = first.collect();
     first.sort_by(|a, b| a.model.fit.cost.total_cmp(&b.model.fit.cost));
-    let mut best: Vec<usize> = (0..first.len()).take(GOING_ON).collect();
+    let mut seen = BTreeSet::new();
+    let mut best: Vec<usize> = (0..first.len()).filter(|&place| seen.insert(first[place].trial)).collect();
     let mut by_whole: Vec<usize> = (0..first.len()).collect();
     by_whole.sort_by(|a, b| first[*a].whole.total_cmp(&first[*b].whole));
     best.extend(by_whole.into_iter().take(GOING_ON));
@@ -60,13 +64,13 @@ pub(super) fn widened<'a>(context: &Context<'a>, mut stage: Stage<'a>) -> Stage<
     finish(context, stage)
 }
 
-/// Values of a coefficient from its typical size to its bounds, to both sides.
+/// Values of a coefficient from a part of its typical size to its bounds, to both sides.
 fn values(global: &Global) -> Vec<f64> {
     let (absent, typical) = global.absent.unwrap_or((0.0, 1.0));
     let side = |sign: f64| {
         let bound = if sign > 0.0 { global.parameter.max } else { global.parameter.min };
         let reach = (bound - absent) * sign;
-        let sizes = std::iter::successors(Some(typical.min(reach)), |size| Some(size * RATIO));
+        let sizes = std::iter::successors(Some(LEAST * typical), |size| Some(size * RATIO));
         sizes
             .take_while(move |size| *size > 0.0 && *size < reach)
             .take(MOST_VALUES)
@@ -127,12 +131,12 @@ mod tests {
     }
 
     #[test]
-    fn the_grid_goes_from_the_typical_size_to_the_bounds_of_both_sides() {
+    fn the_grid_goes_from_a_part_of_the_typical_size_to_the_bounds_of_both_sides() {
         let found = values(&global((0.0, 0.1), (0.0, 0.01)));
-        assert_eq!(found.len(), 5, "{found:?}");
-        assert!(found[0] == 0.01 && found.iter().all(|value| *value < 0.1));
+        assert_eq!(found.len(), 8, "{found:?}");
+        assert!(found[0] == LEAST * 0.01 && found.iter().all(|value| *value < 0.1));
         let found = values(&global((-1e3, 1e3), (0.0, 0.1)));
-        assert_eq!((found.len(), found[0], found[MOST_VALUES]), (2 * MOST_VALUES, 0.1, -0.1));
+        assert_eq!((found.len(), found[0], found[MOST_VALUES]), (2 * MOST_VALUES, LEAST * 0.1, -LEAST * 0.1));
         assert!(values(&global((0.0, 1.0), (1.0, 0.2))).iter().all(|value| *value < 1.0 && *value > 0.0));
     }
 
