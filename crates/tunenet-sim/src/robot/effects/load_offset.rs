@@ -1,8 +1,8 @@
 //! Loads that are farther out than stated.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Phase, Side};
 
-use super::{Act, RobotEffect};
+use super::{Act, RobotEffect, RobotTwin};
 
 pub(super) const EFFECT: RobotEffect = RobotEffect {
     name: "load_offset",
@@ -14,6 +14,11 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     mistaken_for: &["firmware_gain", "joint_spring", "payload_com_offset"],
     restates: None,
     repeated_by: &[],
-    twins: &[],
+    twins: &[RobotTwin {
+        name: "payload_com_offset",
+        side: Side::Any,
+        tuned: None,
+        separated_by: "measure where the load is fastened to its link, and balance the load to find its centre of mass",
+    }],
     act: Act::Robot(|robot, c| robot.load_offset_m += c[0]),
 };

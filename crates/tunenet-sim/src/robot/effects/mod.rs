@@ -235,6 +235,9 @@ mod tests {
         assert!(twins("firmware_gain", true)[0].side == Side::Above && twins("duty_limit", true)[0].side == Side::Any);
         assert!(twins("firmware_gain", false).is_empty() && twins("duty_limit", false).is_empty());
         assert_eq!(twins("time_delay", false).len(), 1);
+        // A centre of mass may be anywhere, a load only farther out: what names the former is no twin of the latter.
+        assert_eq!(twins("load_offset", true)[0].name, "payload_com_offset");
+        assert!(twins("payload_com_offset", true).is_empty());
         let gain = RobotEffect::find("firmware_gain").unwrap().entry(&["a", "b"], |_| true);
         assert_eq!(gain.restates, ["joints.a.gain_1_rad", "joints.b.gain_1_rad"]);
         let friction = RobotEffect::find("coulomb_friction").unwrap().entry(&["a", "b"], |_| true);
