@@ -25,6 +25,17 @@ const BUDGET: usize = 30_000;
 /// Starts that go on: of every candidate the one that suits the first part best, and so many of all that suit the whole best.
 const GOING_ON: usize = 6;
 
+/// A value of the grid, from which a fit begins.
+#[derive(Clone, Copy)]
+struct GridPoint {
+    /// Position of the candidate among the trials of the stage, and its entry of the catalogue.
+    trial: usize,
+    entry: usize,
+    /// Position among the shared parameters, and the value there.
+    place: usize,
+    value: f64,
+}
+
 /// A start after its first fit.
 struct Start<'a> {
     /// Position among the trials of the stage.
@@ -41,7 +52,7 @@ pub(super) fn widened<'a>(context: &Context<'a>, mut stage: Stage<'a>) -> Stage<
     let of_each = FIRST.derivatives * (model.structure.globals.len() + 1) + FIRST.steps + 2;
     let affordable = BUDGET / (of_each * context.sets().len()).max(1);
     let grids = open.flat_map(|(place, trial)| grid_of(context, model, (place, trial.entry)));
-    let starts: Vec<(usize, usize, usize, f64)> = grids.take(affordable).collect();
+    let starts: Vec<GridPoint> = grids.take(affordable).collect();
     let first = starts.par_iter().filter_map(|start| first_fit(context, model, *start));
     let mut first: Vec<Start> = first.collect();
     first.sort_by(|a, b| a.model.fit.cost.total_cmp(&b.model.fit.cost));
@@ -79,25 +90,23 @@ fn values(global: &Global) -> Vec<f64> {
     side(1.0).chain(side(-1.0)).collect()
 }
 
-/// The starts of one candidate: its place among the trials, its entry, which coefficient, and its value.
-fn grid_of(context: &Context, model: &Hypothesis, (place, entry): (usize, usize)) -> Vec<(usize, usize, usize, f64)> {
+/// The grid of one candidate, the `trial`th of the stage: every coefficient alone.
+fn grid_of(context: &Context, model: &Hypothesis, (trial, entry): (usize, usize)) -> Vec<GridPoint> {
     let Ok(structure) = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()) else {
         return Vec::new();
     };
     let new = structure.globals.iter().enumerate().skip(model.structure.globals.len());
     let each = new.filter(|(_, global)| !global.shape);
-    each.flat_map(|(k, global)| values(global).into_iter().map(move |value| (place, entry, k, value))).collect()
+    let of = |(place, global)| values(global).into_iter().map(move |value| GridPoint { trial, entry, place, value });
+    each.flat_map(of).collect()
 }
 
 /// The candidate fitted to the first part of the recordings.
-fn first_fit<'a>(
-    context: &Context<'a>,
-    model: &Hypothesis<'a>,
-    (trial, entry, k, value): (usize, usize, usize, f64),
-) -> Option<Start<'a>> {
+fn first_fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, start: GridPoint) -> Option<Start<'a>> {
+    let GridPoint { trial, entry, place, value } = start;
     let structure = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()).ok()?;
     let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
-    parameters[k] = value;
+    parameters[place] = value;
     let joint = context.joint(&structure);
     let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let fit = joint.fit(start, FIRST).ok()?;

@@ -254,7 +254,7 @@ mod tests {
 
     /// What held-out recordings bear out stays, and what they do not goes where nothing else is left.
     #[test]
-    fn an_effect_that_held_out_recordings_do_not_bear_out_is_dropped() {
+    fn an_effect_that_held_out_recordings_do_not_bear_out_is_left_out() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
             let found = WholeRecord.attempt(Attempt::tuned(context).unwrap(), &|_| {}).unwrap();
             assert_eq!(borne_out(found).unwrap().last().structure.effects.len(), 1);
