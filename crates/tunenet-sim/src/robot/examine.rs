@@ -256,9 +256,9 @@ fn centred(values: Vec<f64>) -> Vec<f64> {
     values.into_iter().map(|v| v - mean).collect()
 }
 
-/// How far a joint moves for each rad of its commands, where it follows them at all: by least squares at the lag with the greatest
-/// correlation.
-fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
+/// How much of the variance of `values` the commands explain, and by how much these change with them: by least squares at the lag with
+/// the greatest correlation.
+fn explained(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
     let seen = centred(values.to_vec());
     let at_lag = |lag: f64| {
         let goals = centred(clock.iter().map(|t| command(t - lag)).collect());
@@ -266,25 +266,21 @@ fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opt
         (goal > 0.0 && own > 0.0).then(|| (both.max(0.0).powi(2) / (goal * own), both / goal))
     };
     let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
-    let best = lags.filter_map(at_lag).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 > FOLLOWS).then_some(best.1)
+    lags.filter_map(at_lag).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Whether a joint goes by its commands, not to them: at the best of the lags, they explain its speed, and better than its position.
+/// How far a joint moves for each rad of its commands, where it follows them at all.
+fn following(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
+    explained(clock, values, command).filter(|(share, _)| *share > FOLLOWS).map(|(_, slope)| slope)
+}
+
+/// Whether a joint goes by its commands, not to them: these explain its speed, and that better than its position.
 fn follows_as_steps(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> bool {
     let speeds = values.windows(2).zip(clock.windows(2)).map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0]));
-    let (seen, speeds) = (centred(values.to_vec()), centred(speeds.collect()));
-    let explained = |of: &[f64], lag: f64| {
-        let goals = centred(clock[..of.len()].iter().map(|t| command(t - lag)).collect());
-        let (both, product) = (dot(&goals, of), dot(&goals, &goals) * dot(of, of));
-        if product > 0.0 { both.max(0.0).powi(2) / product } else { 0.0 }
-    };
-    let best = |of: &[f64]| {
-        let lags = (0..=FOLLOWING_LAGS).map(|step| f64::from(step) * LAG_STEP_S);
-        lags.map(|lag| explained(of, lag)).fold(0.0, f64::max)
-    };
-    let by_speed = best(&speeds);
-    by_speed > FOLLOWS && by_speed > best(&seen)
+    let speeds: Vec<f64> = speeds.collect();
+    let share = |found: Option<(f64, f64)>| found.map_or(0.0, |(share, _)| share);
+    let by_speed = share(explained(&clock[..speeds.len()], &speeds, &command));
+    by_speed > FOLLOWS && by_speed > share(explained(clock, values, &command))
 }
 
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.

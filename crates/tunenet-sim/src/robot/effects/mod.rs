@@ -77,15 +77,16 @@ enum Act {
     Arm(fn(&mut Imperfections, &[f64])),
 }
 
-/// The effects of arms that joints from commands have too, by name. The sentence and the rest of the entry are the arm's own.
-const OF_ARMS: [&str; 7] = [
-    "viscous_friction",
-    "coulomb_friction",
-    "armature",
-    "joint_offset",
-    "joint_spring",
-    "payload_com_offset",
-    "base_tilt",
+/// The effects of arms that joints from commands have too, by name, with the numbers of every joint that together do the same. The
+/// sentence and the rest of the entry are the arm's own.
+const OF_ARMS: [(&str, &[Number]); 7] = [
+    ("viscous_friction", &[Number::Viscous]),
+    ("coulomb_friction", &[Number::Coulomb]),
+    ("armature", &[Number::Armature]),
+    ("joint_offset", &[Number::Zero]),
+    ("joint_spring", &[]),
+    ("payload_com_offset", &[]),
+    ("base_tilt", &[]),
 ];
 
 const OWN: [&RobotEffect; 19] = [
@@ -113,11 +114,15 @@ const OWN: [&RobotEffect; 19] = [
 /// The catalogue.
 #[must_use]
 pub fn all() -> Vec<RobotEffect> {
-    let of_arms = arm::ALL.into_iter().filter(|effect| OF_ARMS.contains(&effect.name)).map(of_arm);
+    let known = |effect: arm::ArmEffect| {
+        let (_, repeated_by) = OF_ARMS.iter().find(|(name, _)| *name == effect.name)?;
+        Some(of_arm(effect, repeated_by))
+    };
+    let of_arms = arm::ALL.into_iter().filter_map(known);
     of_arms.chain(OWN.into_iter().cloned()).collect()
 }
 
-fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
+fn of_arm(effect: arm::ArmEffect, repeated_by: &'static [Number]) -> RobotEffect {
     RobotEffect {
         name: effect.name,
         phase: effect.phase.clone(),
@@ -127,20 +132,9 @@ fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
         sentence: effect.sentence,
         mistaken_for: effect.mistaken_for,
         restates: None,
-        repeated_by: repeating(effect.name),
+        repeated_by,
         twins: &[],
         act: Act::Arm(effect.apply),
-    }
-}
-
-/// The number of every joint that does the same as an effect that arms have too.
-fn repeating(name: &str) -> &'static [Number] {
-    match name {
-        "viscous_friction" => &[Number::Viscous],
-        "coulomb_friction" => &[Number::Coulomb],
-        "armature" => &[Number::Armature],
-        "joint_offset" => &[Number::Zero],
-        _ => &[],
     }
 }
 
@@ -170,7 +164,8 @@ impl RobotEffect {
             }
         };
         let coefficients = self.coefficients.iter().flat_map(of_joints).collect();
-        let known = |name: &&&str| OF_ARMS.contains(name) || OWN.iter().any(|own| own.name == **name);
+        let known =
+            |name: &&&str| OF_ARMS.iter().any(|(arm, _)| arm == *name) || OWN.iter().any(|own| own.name == **name);
         let twins = self.twins.iter().filter(|twin| twin.tuned.is_none_or(&tuned));
         let repeating =
             |joint: &&str| self.repeated_by.iter().map(|number| number.parameter_of(joint).into()).collect();
