@@ -24,8 +24,7 @@ impl<'a> Intervals<'a> {
     /// Where the simulator refuses.
     pub fn new(context: &Context, model: &'a Hypothesis<'a>, differ: bool) -> Result<Self> {
         let size = model.structure.globals.len();
-        let freedom = context.count() as f64 - size as f64;
-        let variance = model.deviance(model.scale()) / freedom.max(1.0) / context.effective_fraction();
+        let variance = context.variance(model);
         let mut half: Vec<f64> =
             (0..size).map(|g| NORMAL_95 * (variance * model.fit.covariance[(g, g)].max(0.0)).sqrt()).collect();
         let between = if context.evidence.driven() {

@@ -177,6 +177,12 @@ impl<'a> Context<'a> {
         Ok(plain)
     }
 
+    /// The variance of the noise, taken from what `model` leaves, by which its covariance is multiplied.
+    pub fn variance(&self, model: &Hypothesis) -> f64 {
+        let freedom = self.count() as f64 - model.structure.globals.len() as f64;
+        model.deviance(model.scale()) / freedom.max(1.0) / self.effective_fraction()
+    }
+
     /// The evidence less the outliers that `model` leaves, prewhitened by the correlation of its residuals; `None` where that
     /// changes nothing, so that no fit has to be made again.
     pub fn learn_noise(&self, model: &Hypothesis) -> Result<Option<Evidence>> {

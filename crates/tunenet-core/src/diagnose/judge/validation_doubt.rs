@@ -242,8 +242,7 @@ fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &H
 
 /// Of several effects, one of which no coefficient lies farther from its absence than its standard error allows.
 fn undetermined(context: &Context, best: &Hypothesis) -> Option<Text> {
-    let freedom = (context.count() as f64 - best.structure.globals.len() as f64).max(1.0);
-    let variance = best.deviance(best.scale()) / freedom / context.effective_fraction();
+    let variance = context.variance(best);
     let shown = |position: usize| {
         let own = best.structure.globals.iter().enumerate().filter(|(_, global)| !global.shape);
         let mut own = own.filter(|(_, global)| global.effect.is_some_and(|(effect, _)| effect == position));
