@@ -1,5 +1,5 @@
-//! Grid search over the coefficients of candidates with growing horizons: what makes a motion swing has many local minima, and the first
-//! part of the recordings the fewest (as in multiple shooting: Bock and Plitt 1984).
+//! Grid search over the coefficients of candidates with a growing horizon: what makes a motion swing has many local minima, and the first
+//! part of the recordings the fewest.
 
 use std::collections::BTreeSet;
 
