@@ -9,6 +9,7 @@ use tunenet_core::observation::{Channel, Observation};
 
 pub mod findings;
 pub mod preflight;
+pub mod releases;
 pub mod segmentation;
 pub mod strategy;
 mod wording;

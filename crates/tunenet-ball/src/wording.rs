@@ -11,7 +11,6 @@ pub static WORDING: Wording = Wording {
     vary: "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
     inseparable: "no throw distinguishes",
     knowledge,
-    start,
     segment: ["flight", "flights"],
     events: "contacts",
     event_count: "the count of bounces",
@@ -44,28 +43,9 @@ fn knowledge(name: &str) -> Option<&'static str> {
     })
 }
 
-fn start(height_m: f64, velocity_m_s: [f64; 3]) -> String {
-    let [x, y, z] = velocity_m_s;
-    if (x, y, z) == (0.0, 0.0, 0.0) {
-        return format!("drop it from {height_m:.2} m");
-    }
-    let along = [("x", x), ("y", y)].into_iter().filter(|(_, speed)| *speed != 0.0);
-    let along: Vec<String> = along.map(|(axis, speed)| format!("{speed:.1} m/s along {axis}")).collect();
-    format!("throw it from {height_m:.2} m with {} and {z:.1} m/s upwards", along.join(", "))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_design_without_velocity_is_a_drop() {
-        assert_eq!(start(1.0, [0.0; 3]), "drop it from 1.00 m");
-        assert_eq!(
-            start(0.5, [2.0, -2.0, 4.0]),
-            "throw it from 0.50 m with 2.0 m/s along x, -2.0 m/s along y and 4.0 m/s upwards"
-        );
-    }
 
     #[test]
     fn a_camera_is_settled_by_lengths_and_air_by_weight() {

@@ -61,22 +61,11 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         number: None,
         shape: false,
     };
+    let coefficients = candidate.coefficients.iter().map(one).collect();
     Effect {
-        name: own(name),
-        phase: phase::parse(&candidate.acts),
-        coefficients: candidate.coefficients.iter().map(one).collect(),
         plausible: candidate.coefficients.values().map(|c| c.plausible.unwrap_or((c.min, c.max))).collect(),
-        plausible_rests_on: Vec::new(),
-        sentence: own(&candidate.sentence),
-        always: false,
-        random: false,
         mistaken_for: candidate.mistaken_for.iter().map(|name| own(name)).collect(),
-        implausible: None,
-        feigned_by: None,
-        forecast_share: 1.0,
-        exact_twins: Vec::new(),
-        restates: Vec::new(),
-        repeated_by: Vec::new(),
+        ..Effect::new(own(name), phase::parse(&candidate.acts), own(&candidate.sentence), coefficients)
     }
 }
 

@@ -110,6 +110,30 @@ pub struct Twin {
     pub separated_by: Text,
 }
 
+/// What the torque of an effect follows, where measured inputs drive a mechanism.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Follows {
+    /// The speed of a joint.
+    Speed,
+    /// The rate at which motion or torque changes.
+    Rate,
+    /// The pose, within one joint.
+    Pose,
+    /// The pose, and how the base of the mechanism stands.
+    Base,
+    /// The load at the end of the mechanism.
+    Load,
+}
+
+/// The motion that shows an effect, and how it shows there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Excitation {
+    /// What its torque follows.
+    pub follows: Follows,
+    /// What it does in a motion in which that varies: a verb and its object, after the effect's name.
+    pub signature: &'static str,
+}
+
 /// An effect as an entry of the catalogue: what it is, not how it acts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
@@ -154,6 +178,9 @@ pub struct Effect {
     /// Largest share of the forecast error without it that may remain with it: above, it is not named alone from few recordings,
     /// because causes that are no effect resemble it. 1 where none do.
     pub forecast_share: f64,
+    /// Which motion shows it, where measured inputs drive a mechanism. `None` where that is not known.
+    #[serde(skip)]
+    pub excitation: Option<Excitation>,
 }
 
 impl Effect {
@@ -176,7 +203,14 @@ impl Effect {
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,
+            excitation: None,
         }
+    }
+
+    /// The same where this motion shows it.
+    #[must_use]
+    pub fn excited_by(self, follows: Follows, signature: &'static str) -> Self {
+        Self { excitation: Some(Excitation { follows, signature }), ..self }
     }
 
     /// Whether it is required, with unknown size: its physical bounds exclude its absence.
@@ -228,21 +262,8 @@ mod tests {
     #[test]
     fn an_effect_whose_plausible_range_excludes_absence_is_required() {
         let effect = |low: f64, high: f64| Effect {
-            name: "drag".into(),
-            phase: Phase::Segment,
-            coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
             plausible: vec![(low, high)],
-            sentence: "".into(),
-            always: false,
-            random: false,
-            mistaken_for: Vec::new(),
-            exact_twins: Vec::new(),
-            restates: Vec::new(),
-            repeated_by: Vec::new(),
-            plausible_rests_on: Vec::new(),
-            implausible: None,
-            feigned_by: None,
-            forecast_share: 1.0,
+            ..Effect::new("drag", Phase::Segment, "", vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)])
         };
         assert!(effect(0.03, 0.4).required() && effect(-2.0, -1.0).required());
         assert!(!effect(0.0, 0.4).required() && !effect(-1.0, 1.0).required());

@@ -2,7 +2,8 @@
 
 use super::effects::{Act, MeasurementEffect, find};
 use super::{
-    Assumed, Effect, Parameter, Preparation, RolloutError, RolloutResult, Segmented, Simulator, measurement_effects,
+    Assumed, Effect, Parameter, Preparation, Prepared, ProposedStart, RolloutError, RolloutResult, Segmented,
+    Simulator, measurement_effects,
 };
 use crate::observation::{Channel, Circumstances, Kind, Observation};
 use crate::{Error, Origin, Result};
@@ -281,6 +282,11 @@ impl<S: Simulator> Segmented for Measured<S> {
 
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         Some(self.around(self.inner.segmented()?.with_hidden_state_at_events()?))
+    }
+
+    fn proposed_starts(&self, prepared: &Prepared, nuisances: &[f64], unmeasured: &[usize]) -> Vec<ProposedStart> {
+        let inner = self.inner.segmented();
+        inner.map_or_else(Vec::new, |inner| inner.proposed_starts(prepared, nuisances, unmeasured))
     }
 }
 

@@ -18,7 +18,7 @@ mod start_state;
 
 pub use assumed::Assumed;
 pub use declared::{Declared, Model, Run};
-pub use effect::{Coefficient, Effect, Phase, Side, Text, Twin};
+pub use effect::{Coefficient, Effect, Excitation, Follows, Phase, Side, Text, Twin};
 pub use effects::measurement_effects;
 pub use fn_simulator::FnSimulator;
 pub use measured::Measured;
@@ -29,7 +29,7 @@ pub(crate) use rollouts::every;
 pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 pub use segmentation::Segmentation;
-pub use segmented::Segmented;
+pub use segmented::{ProposedStart, Segmented};
 pub use setups::Setups;
 pub(crate) use start_state::STATE;
 pub use start_state::{StartState, StartValue};

@@ -1,6 +1,19 @@
 //! Simulators whose motion is smooth between events.
 
-use super::Simulator;
+use super::{Prepared, Simulator};
+
+/// A start from which a recording could be made next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedStart {
+    /// How to make it, as something to do.
+    pub text: String,
+    /// Its numbers by name, each with its unit in the name or in that of the nuisance parameter, for scripts.
+    pub settings: Vec<(String, f64)>,
+    /// Values of the recording's nuisance parameters, in their order.
+    pub nuisances: Vec<f64>,
+    /// Its speed along the surface at which events happen, in m/s.
+    pub tangential_m_s: f64,
+}
 
 /// A simulator whose recordings consist of free segments between events (impacts, steps, switches of a mode).
 ///
@@ -21,5 +34,11 @@ pub trait Segmented: Simulator {
     /// As [`with_hidden_state`](Self::with_hidden_state), where the hidden state acts at events only.
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         None
+    }
+
+    /// Starts from which a recording like `prepared`, whose nuisance parameters have these values, could be made next. No channel
+    /// of `unmeasured` shows a motion there either. Empty where nobody can choose a start.
+    fn proposed_starts(&self, _prepared: &Prepared, _nuisances: &[f64], _unmeasured: &[usize]) -> Vec<ProposedStart> {
+        Vec::new()
     }
 }

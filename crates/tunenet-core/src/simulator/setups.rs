@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Assumed, Effect, Parameter, Preparation, Prepared, RolloutError, RolloutResult, Segmented, Simulator, Text,
+    Assumed, Effect, Parameter, Preparation, Prepared, ProposedStart, RolloutError, RolloutResult, Segmented,
+    Simulator, Text,
 };
 use crate::observation::{Channel, Circumstances, Kind, Observation};
 use crate::{Error, Origin, Result};
@@ -262,6 +263,13 @@ impl Segmented for Setups {
 
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         self.variant(|one| one.with_hidden_state_at_events())
+    }
+
+    /// Those of the setup of the recording.
+    fn proposed_starts(&self, prepared: &Prepared, nuisances: &[f64], unmeasured: &[usize]) -> Vec<ProposedStart> {
+        let number = prepared.circumstances.as_ref().map_or(0, |known| known.setup);
+        let one = self.each.get(number).and_then(|one| one.segmented());
+        one.map_or_else(Vec::new, |one| one.proposed_starts(prepared, nuisances, unmeasured))
     }
 }
 

@@ -9,7 +9,9 @@ use rand_distr::StandardNormal;
 
 use super::{Values, effect};
 use crate::observation::{Channel, Circumstances, Hold, Input, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Preparation, Prepared, RolloutResult, Simulator, Text};
+use crate::simulator::{
+    Coefficient, Effect, Follows, Parameter, Preparation, Prepared, RolloutResult, Simulator, Text,
+};
 use crate::{Error, Origin, Result};
 
 /// Samples of a recording, and their rate in Hz.
@@ -112,8 +114,9 @@ fn effects() -> Vec<Effect> {
         Effect { coefficients, plausible: vec![bounds; 2], ..one }
     };
     vec![
-        each("viscous_friction", "nms_rad", "N·m·s/rad", (0.0, 20.0), 0.01),
-        each("torque_bias", "nm", "N·m", (-20.0, 20.0), 0.01),
+        each("viscous_friction", "nms_rad", "N·m·s/rad", (0.0, 20.0), 0.01)
+            .excited_by(Follows::Speed, "grows in proportion to speed"),
+        each("torque_bias", "nm", "N·m", (-20.0, 20.0), 0.01).excited_by(Follows::Pose, "is the same in every pose"),
     ]
 }
 

@@ -221,23 +221,7 @@ impl<S: ClosedForm + Clone> Segmented for Exact<S> {
 
 /// An effect of one coefficient that is absent at 0 and plausible within `bounds`.
 fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f64, f64), typical: f64) -> Effect {
-    Effect {
-        name: name.into(),
-        phase: Phase::Joint,
-        coefficients: vec![Coefficient::new(key, unit, 0.0, bounds, typical)],
-        plausible: vec![bounds],
-        sentence: "".into(),
-        always: false,
-        random: false,
-        mistaken_for: Vec::new(),
-        plausible_rests_on: Vec::new(),
-        implausible: None,
-        feigned_by: None,
-        forecast_share: 1.0,
-        exact_twins: Vec::new(),
-        restates: Vec::new(),
-        repeated_by: Vec::new(),
-    }
+    Effect::new(name, Phase::Joint, "", vec![Coefficient::new(key, unit, 0.0, bounds, typical)])
 }
 
 /// Value and slope at the start of a recording, guessed from its first samples, with bounds this far from the guess.

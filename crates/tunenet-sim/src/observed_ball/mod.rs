@@ -5,8 +5,11 @@ mod effects;
 mod flight;
 mod prepare;
 
+use tunenet_ball::releases;
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Assumed, Effect, Parameter, Preparation, RolloutResult, Scale, Segmented, Simulator};
+use tunenet_core::simulator::{
+    Assumed, Effect, Parameter, Preparation, Prepared, ProposedStart, RolloutResult, Scale, Segmented, Simulator,
+};
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
@@ -309,6 +312,10 @@ impl Segmented for ObservedBall {
 
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         Some(Box::new(self.let_go_spinning()?))
+    }
+
+    fn proposed_starts(&self, prepared: &Prepared, nuisances: &[f64], unmeasured: &[usize]) -> Vec<ProposedStart> {
+        releases::proposed(prepared, nuisances, unmeasured)
     }
 }
 

@@ -1,6 +1,6 @@
-//! Next experiment of a driven mechanism, by what each effect's torque follows: the motion in which confusable effects differ.
+//! Next experiment of a driven mechanism: the motion in which confusable effects differ.
 //!
-//! Effects are distinguished by what their torque follows: speed, the rate at which motion changes, the pose, or the load. The
+//! Effects are distinguished by what their torque [`Follows`]: speed, the rate at which motion changes, the pose, or the load. The
 //! joint is the one in which the contested effect shows most, and speeds and poses are those that the recordings reach.
 
 use crate::Result;
@@ -8,43 +8,21 @@ use crate::diagnose::answer::NextExperiment;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::Input;
+use crate::simulator::{Effect, Excitation, Follows};
 
-/// What a torque follows.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Follows {
-    Speed,
-    Rate,
-    Pose,
-    Load,
+/// An effect of those that the experiment has to distinguish.
+struct Contested<'a> {
+    name: &'a str,
+    follows: Follows,
+    signature: &'a str,
 }
 
-impl Follows {
-    fn of(effect: &str) -> Self {
-        match effect {
-            "viscous_friction" | "coulomb_friction" | "stribeck_friction" => Self::Speed,
-            "armature" | "time_delay" | "joint_elasticity" => Self::Rate,
-            "payload_com_offset" | "torque_gain" => Self::Load,
-            _ => Self::Pose,
-        }
-    }
-
-    /// What it shows in the motion that is asked for.
-    fn sign(effect: &str) -> &'static str {
-        match effect {
-            "viscous_friction" => "grows in proportion to speed",
-            "coulomb_friction" => "is the same at every speed and turns with the direction",
-            "stribeck_friction" => "is there at the slowest speed alone",
-            "armature" => "grows fourfold at twice the speed",
-            "time_delay" => "doubles where the torque changes twice as fast",
-            "joint_elasticity" => "follows the torque and its slopes",
-            "torque_bias" => "is the same in every pose",
-            "joint_spring" => "grows from its rest in a straight line",
-            "joint_offset" => "follows gravity as the joint alone turns",
-            "base_tilt" => "turns with the direction in which the arm reaches",
-            "payload_com_offset" => "is gone without the payload",
-            "torque_gain" => "stays in proportion with the payload and without",
-            _ => "comes apart there",
-        }
+impl<'a> Contested<'a> {
+    /// Where nothing is known of an effect, poses are what recordings vary least.
+    fn of(effect: &'a Effect) -> Self {
+        let unknown = Excitation { follows: Follows::Pose, signature: "differs there" };
+        let Excitation { follows, signature } = effect.excitation.unwrap_or(unknown);
+        Self { name: effect.name.as_ref(), follows, signature }
     }
 }
 
@@ -85,9 +63,11 @@ pub(in crate::diagnose) fn next(
     let (there, gone) = (joint.plain_residuals(&best.fit.point)?, joint.plain_residuals(&without)?);
     let differences = there.iter().zip(&gone).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
     let joint = strongest(context.sets(), &differences.collect::<Vec<_>>());
-    let names: Vec<&str> =
-        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name.as_ref()).collect();
-    Ok(apart(&names, &reach(context.sets(), joint)))
+    let entries: Vec<Contested> = std::iter::once(&contested)
+        .chain(others)
+        .map(|&entry| Contested::of(&context.catalogue[entry].of[0]))
+        .collect();
+    Ok(apart(&entries, &reach(context.sets(), joint)))
 }
 
 /// The experiment that shows more of what no known effect explains, in addition to `best`.
@@ -111,32 +91,36 @@ fn strongest(sets: &[Set], values: &[Vec<f64>]) -> usize {
     (0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0)
 }
 
-/// How far and how fast the recordings move a joint, where their inputs name positions and speeds.
+/// How far and how fast the recordings move a joint, where their inputs hold angles and speeds of every joint in order.
 fn reach(sets: &[Set], joint: usize) -> Reach {
     let mut found = Reach { joint: joint + 1, low_rad: f64::INFINITY, high_rad: f64::NEG_INFINITY, fastest_rad_s: 0.0 };
     let inputs = sets.iter().filter_map(|set| set.prepared.circumstances.as_ref()).flat_map(|known| &known.inputs);
     for input in inputs.map(Input::series) {
-        let column = |name: String| input.channels().iter().position(|c| c.name == name);
-        if let Some(q) = column(format!("q{}", joint + 1)) {
+        let column = |unit: &str| {
+            let of_unit = input.channels().iter().enumerate().filter(|(_, channel)| channel.unit == unit);
+            of_unit.map(|(column, _)| column).nth(joint)
+        };
+        if let Some(angle) = column("rad") {
             let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
-            (found.low_rad, found.high_rad) = input.column(q).fold((found.low_rad, found.high_rad), ends);
+            (found.low_rad, found.high_rad) = input.column(angle).fold((found.low_rad, found.high_rad), ends);
         }
-        if let Some(dq) = column(format!("dq{}", joint + 1)) {
-            found.fastest_rad_s = input.column(dq).fold(found.fastest_rad_s, |most, v| most.max(v.abs()));
+        if let Some(speed) = column("rad/s") {
+            found.fastest_rad_s = input.column(speed).fold(found.fastest_rad_s, |most, v| most.max(v.abs()));
         }
     }
     found
 }
 
-fn apart(contested: &[&str], reach: &Reach) -> NextExperiment {
+/// The motions in which the contested effects differ.
+fn apart(contested: &[Contested], reach: &Reach) -> NextExperiment {
     let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
-    let follows: Vec<Follows> = contested.iter().map(|name| Follows::of(name)).collect();
-    let count = |what: Follows| follows.iter().filter(|f| **f == what).count();
+    let count = |what: Follows| contested.iter().filter(|one| one.follows == what).count();
+    let poses = count(Follows::Pose) + count(Follows::Base);
     let mut steps = Vec::new();
     let mut settings = vec![("joint".to_owned(), joint as f64)];
     let moving = fastest_rad_s > 0.0 && high_rad > low_rad;
     let (slow, fast) = (0.1 * fastest_rad_s, fastest_rad_s);
-    let speeds = count(Follows::Speed) > 0 && (count(Follows::Rate) + count(Follows::Pose) + count(Follows::Load) > 0)
+    let speeds = count(Follows::Speed) > 0 && (count(Follows::Rate) + poses + count(Follows::Load) > 0)
         || count(Follows::Speed) > 1;
     if speeds {
         let how = if moving {
@@ -145,25 +129,25 @@ fn apart(contested: &[&str], reach: &Reach) -> NextExperiment {
         } else {
             "at three constant speeds, the fastest ten times the slowest".into()
         };
-        steps.push(format!("when the arm is warm, move joint {joint} alone to and fro {how}"));
+        steps.push(format!("when the mechanism is warm, move joint {joint} alone to and fro {how}"));
     }
     if count(Follows::Rate) > 0 {
         let how = if moving {
             settings.push(("twice_rad_s".to_owned(), 2.0 * fast));
-            format!(", up to {:.2} rad/s where the arm may", 2.0 * fast)
+            format!(", up to {:.2} rad/s where it may", 2.0 * fast)
         } else {
             String::new()
         };
         steps.push(format!("repeat the same motion of joint {joint} twice as fast{how}"));
     }
-    if count(Follows::Pose) > 0 {
+    if poses > 0 {
         let how = if moving {
             settings.extend([("low_rad".to_owned(), low_rad), ("high_rad".to_owned(), high_rad)]);
             format!("six poses from {low_rad:.2} to {high_rad:.2} rad or beyond")
         } else {
             "six poses over its range".into()
         };
-        let turned = if contested.contains(&"base_tilt") && joint != 1 {
+        let turned = if count(Follows::Base) > 0 && joint != 1 {
             ", then the same with joint 1 turned by half a turn"
         } else {
             ""
@@ -171,9 +155,9 @@ fn apart(contested: &[&str], reach: &Reach) -> NextExperiment {
         steps.push(format!("hold joint {joint} still for 3 s in each of {how}, approached from both sides{turned}"));
     }
     if count(Follows::Load) > 0 {
-        steps.push("record the same motion once with and once without the payload".into());
+        steps.push("record the same motion once with and once without the load".into());
     }
-    let signs: Vec<String> = contested.iter().map(|name| format!("{name} {}", Follows::sign(name))).collect();
+    let signs: Vec<String> = contested.iter().map(|one| format!("{} {}", one.name, one.signature)).collect();
     NextExperiment { text: format!("{}: {}", steps.join("; "), signs.join(", ")), settings }
 }
 
@@ -193,8 +177,8 @@ fn alone(reach: &Reach) -> NextExperiment {
         "over its range and back, slowly".into()
     };
     let text = format!(
-        "move joint {joint} alone, in which most is left, {how}, once cold and once warm: ripple repeats with its position, play shows \
-         where it turns round, what grease does fades with warmth"
+        "move joint {joint} alone, whose residual is largest, {how}, once cold and once warm: ripple repeats with its position, \
+         backlash shows where it turns round, and friction of a lubricant falls with warmth"
     );
     NextExperiment { text, settings }
 }
@@ -224,28 +208,39 @@ mod tests {
 
     const REACH: Reach = Reach { joint: 3, low_rad: -1.5, high_rad: 0.5, fastest_rad_s: 0.8 };
 
-    /// What is asked for follows from what is left together, with joint, speeds and poses of the recordings.
+    const fn one<'a>(name: &'a str, follows: Follows, signature: &'a str) -> Contested<'a> {
+        Contested { name, follows, signature }
+    }
+
+    const VISCOUS: Contested<'_> = one("viscous_friction", Follows::Speed, "grows in proportion to speed");
+    const COULOMB: Contested<'_> = one("coulomb_friction", Follows::Speed, "is the same at every speed");
+    const INERTIA: Contested<'_> = one("armature", Follows::Rate, "grows fourfold at twice the speed");
+    const OFFSET: Contested<'_> = one("joint_offset", Follows::Pose, "follows gravity");
+    const TILT: Contested<'_> = one("base_tilt", Follows::Base, "turns with the base");
+    const GAIN: Contested<'_> = one("torque_gain", Follows::Load, "stays in proportion");
+
+    /// What is asked for follows from the effects that remain, with joint, speeds and poses of the recordings.
     #[test]
     fn each_set_has_a_motion_of_its_own() {
-        let friction = apart(&["viscous_friction", "coulomb_friction"], &REACH);
-        assert!(
-            friction.text.contains("joint 3 alone to and fro at constant 0.08, 0.25 and 0.80 rad/s"),
-            "{friction:?}"
-        );
-        assert!(friction.text.contains("coulomb_friction is the same at every speed"), "{friction:?}");
+        let friction = apart(&[VISCOUS, COULOMB], &REACH);
+        let (text, speeds) = (&friction.text, "joint 3 alone to and fro at constant 0.08, 0.25 and 0.80 rad/s");
+        assert!(text.contains(speeds) && text.contains("coulomb_friction is the same at every speed"), "{text}");
         assert!(friction.settings.contains(&("fast_rad_s".to_owned(), 0.8)));
-        let rate = apart(&["armature", "time_delay"], &REACH);
-        assert!(rate.text.starts_with("repeat the same motion of joint 3 twice as fast, up to 1.60 rad/s"), "{rate:?}");
-        let pose = apart(&["joint_offset", "base_tilt"], &REACH);
-        assert!(
-            pose.text.contains("six poses from -1.50 to 0.50 rad") && pose.text.contains("joint 1 turned"),
-            "{pose:?}"
-        );
-        let load = apart(&["torque_bias", "payload_com_offset"], &REACH);
-        assert!(
-            load.text.contains("once with and once without the payload") && load.text.contains("hold joint 3 still")
-        );
-        let texts = [friction.text, rate.text, pose.text, load.text, alone(&REACH).text];
-        assert!(texts.iter().all(|t| t.contains("joint") || t.contains("arm")), "{texts:?}");
+        let rate = apart(&[INERTIA], &REACH).text;
+        assert!(rate.starts_with("repeat the same motion of joint 3 twice as fast, up to 1.60 rad/s"), "{rate}");
+        let pose = apart(&[OFFSET, TILT], &REACH).text;
+        assert!(pose.contains("six poses from -1.50 to 0.50 rad") && pose.contains("joint 1 turned"), "{pose}");
+        assert!(!apart(&[OFFSET], &REACH).text.contains("joint 1 turned"));
+        let load = apart(&[OFFSET, GAIN], &REACH).text;
+        assert!(load.contains("once with and once without the load") && load.contains("hold joint 3 still"), "{load}");
+        assert!(alone(&REACH).text.starts_with("move joint 3 alone"));
+    }
+
+    /// Of an effect of which no motion is known, poses are asked for.
+    #[test]
+    fn an_effect_without_a_known_motion_is_sought_in_poses() {
+        let effect = Effect::new("sag", crate::simulator::Phase::Joint, "", Vec::new());
+        let asked = apart(&[Contested::of(&effect)], &REACH).text;
+        assert!(asked.starts_with("hold joint 3 still") && asked.ends_with("sag differs there"), "{asked}");
     }
 }

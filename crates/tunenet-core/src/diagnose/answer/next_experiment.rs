@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::diagnose::answer::verdict::unique;
 use crate::diagnose::answer::{NextExperiment, driven_experiment};
-use crate::diagnose::evidence::proposed::{Proposed, RELEASE, proposed};
+use crate::diagnose::evidence::proposed::{Change, Proposed, proposed};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::confusable_set::exact_twins;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
@@ -100,8 +100,8 @@ fn apart(
     let mut text = String::new();
     let mut settings = Vec::new();
     if let (Some(chosen), false) = (chosen, separable.is_empty()) {
-        let how;
-        (how, settings) = described(context, &designs[chosen]);
+        let how = designs[chosen].change.words();
+        settings = designs[chosen].change.settings();
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
             "{how} and add that recording: it distinguishes {} from {} (expected gain {})",
@@ -136,25 +136,12 @@ fn apart(
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
 }
 
-/// How to make a proposed recording, in words and in numbers.
-fn described(context: &Context, design: &Proposed) -> (String, Vec<(String, f64)>) {
-    if let Some(words) = design.change.words() {
-        return (words, design.change.settings());
-    }
-    let nuisances = design.set.prepared.nuisances.iter().filter(|p| p.name.starts_with(RELEASE));
-    let settings: Vec<(String, f64)> = nuisances.map(|p| (p.name.clone(), p.value)).collect();
-    let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
-    let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
-    ((words(context).start)(value("release.z"), [x, y, z]), settings)
-}
-
 /// The speed along the surface with which a design starts, in units in which 1 m/s separates.
 fn across(design: &Proposed) -> f64 {
-    let speed = |axis: &str| {
-        let nuisances = design.set.prepared.nuisances.iter().find(|p| p.name == format!("{RELEASE}velocity_{axis}"));
-        nuisances.map_or(0.0, |p| p.value)
-    };
-    SEPARATED * speed("x").hypot(speed("y"))
+    match design.change {
+        Change::Proposed { tangential_m_s, .. } => SEPARATED * tangential_m_s,
+        _ => 0.0,
+    }
 }
 
 /// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.

@@ -1,4 +1,4 @@
-//! Recordings that could be made next: other releases of what flies, other inputs and initial states of what is driven.
+//! Recordings that could be made next: other starts that the simulator proposes, other inputs and initial states.
 
 use std::sync::Arc;
 
@@ -7,34 +7,18 @@ use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
 use crate::estimate::RolloutLog;
 use crate::observation::{Circumstances, Input, Observation};
-use crate::simulator::{Parameter, Prepared, STATE, Simulator, predict};
+use crate::simulator::{Parameter, Prepared, ProposedStart, STATE, Simulator, predict};
 
-/// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
-const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
-const SPEEDS_M_S: [[f64; 3]; 9] = [
-    [0.0, 0.0, 0.0],
-    [2.0, 0.0, 0.0],
-    [0.0, 2.0, 0.0],
-    [4.0, 0.0, 0.0],
-    [0.0, 4.0, 0.0],
-    [3.0, 3.0, 2.0],
-    [2.0, -2.0, 4.0],
-    [2.0, 0.0, 4.0],
-    [0.0, 2.0, 4.0],
-];
 /// Factors of an input's values, and of the speed at which all inputs are played.
 const SCALES: [f64; 3] = [-1.0, 0.3, 2.0];
 const SPEEDS: [f64; 2] = [0.3, 2.0];
 /// Distances of an initial state from its value, as shares of how far it may start from it.
 const SHIFTS: [f64; 2] = [-0.8, 0.8];
-/// What the name of a nuisance parameter begins with that a person can choose at a release.
-pub(in crate::diagnose) const RELEASE: &str = "release.";
-
 /// What differs from the recording that is repeated.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::diagnose) enum Change {
-    /// The release, as the nuisance parameters say.
-    Release,
+    /// The start, as the simulator proposes it.
+    Proposed { text: String, settings: Vec<(String, f64)>, tangential_m_s: f64 },
     /// All values of one input, by a factor.
     Scaled { input: String, factor: f64 },
     /// One input, which keeps this value.
@@ -46,10 +30,10 @@ pub(in crate::diagnose) enum Change {
 }
 
 impl Change {
-    /// What to do, in words; nothing of a release, whose words depend on the thing.
-    pub fn words(&self) -> Option<String> {
-        Some(match self {
-            Self::Release => return None,
+    /// What to do, in words.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Proposed { text, .. } => text.clone(),
             Self::Scaled { input, factor } if *factor == -1.0 => format!("repeat a recording with {input} reversed"),
             Self::Scaled { input, factor } => format!("repeat a recording with {factor} times the values of {input}"),
             Self::Constant { input, value, unit } => {
@@ -57,13 +41,13 @@ impl Change {
             }
             Self::Speed(factor) => format!("repeat a recording with its inputs played at {factor} times the speed"),
             Self::Start { state, value, unit } => format!("repeat a recording from {state} = {value:.3} {unit}"),
-        })
+        }
     }
 
-    /// Its numbers by name, for scripts; none of a release, whose nuisance parameters are the numbers.
+    /// Its numbers by name, for scripts.
     pub fn settings(&self) -> Vec<(String, f64)> {
         match self {
-            Self::Release => Vec::new(),
+            Self::Proposed { settings, .. } => settings.clone(),
             Self::Scaled { input, factor } => vec![(format!("inputs.{input}.scale"), *factor)],
             Self::Constant { input, value, .. } => vec![(format!("inputs.{input}.value"), *value)],
             Self::Speed(factor) => vec![("inputs.speed".into(), *factor)],
@@ -79,7 +63,7 @@ pub(in crate::diagnose) struct Proposed {
 }
 
 /// Recordings that could be made after `set`, as `simulator` predicts them with these values; `set` lends clock and noise. None where
-/// there is neither a release nor an input nor an initial state to choose.
+/// there is neither a start nor an input nor an initial state to choose.
 pub(in crate::diagnose) fn proposed(
     set: &Set,
     simulator: &dyn Simulator,
@@ -87,7 +71,9 @@ pub(in crate::diagnose) fn proposed(
     rollouts: &RolloutLog,
 ) -> Result<Vec<Proposed>> {
     let mut all = Vec::new();
-    for (change, circumstances, start) in releases(set, nuisances).into_iter().chain(circumstances(set, nuisances)?) {
+    for (change, circumstances, start) in
+        starts(set, simulator, nuisances).into_iter().chain(circumstances(set, nuisances)?)
+    {
         let prepared = Prepared { circumstances, ..set.prepared.clone() };
         rollouts.spend()?;
         // What cannot be simulated is no proposal.
@@ -131,29 +117,14 @@ fn alike(set: &Set, prepared: Prepared) -> Set {
 
 type Start = (Change, Option<Arc<Circumstances>>, Vec<f64>);
 
-/// Other releases, where the nuisance parameters say one. An axis that was not measured will not be next time either.
-fn releases(set: &Set, nuisances: &[f64]) -> Vec<Start> {
-    let place = |key: &str| set.prepared.nuisances.iter().position(|p| p.name == format!("{RELEASE}{key}"));
-    let [Some(_), Some(_), Some(_)] = ["velocity_x", "velocity_y", "velocity_z"].map(place) else {
-        return Vec::new();
+/// Other starts, where the simulator proposes any.
+fn starts(set: &Set, simulator: &dyn Simulator, nuisances: &[f64]) -> Vec<Start> {
+    let Some(segmented) = simulator.segmented() else { return Vec::new() };
+    let proposed = segmented.proposed_starts(&set.prepared, nuisances, &set.unmeasured()).into_iter();
+    let start = |ProposedStart { text, settings, nuisances, tangential_m_s }| {
+        (Change::Proposed { text, settings, tangential_m_s }, set.prepared.circumstances.clone(), nuisances)
     };
-    let unmeasured = set.unmeasured();
-    let seen = |velocity: &[f64; 3]| unmeasured.iter().all(|&axis| velocity[axis] == 0.0);
-    let mut all = Vec::new();
-    for height in HEIGHTS_M {
-        for [x, y, z] in SPEEDS_M_S.into_iter().filter(seen) {
-            let mut start = nuisances.to_vec();
-            let wanted =
-                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", x), ("velocity_y", y), ("velocity_z", z)];
-            for (key, value) in wanted {
-                if let Some(i) = place(key) {
-                    start[i] = value;
-                }
-            }
-            all.push((Change::Release, set.prepared.circumstances.clone(), start));
-        }
-    }
-    all
+    proposed.map(start).collect()
 }
 
 /// Other inputs, and other values of initial states that are estimated.
@@ -234,7 +205,7 @@ mod tests {
         let set = Set::new(0, 0, false, *prepared);
         let all = proposed(&set, &follower, (&[], &[1.0]), &RolloutLog::default()).unwrap();
         let of = |text: &str| {
-            let found = all.iter().find(|one| one.change.words().is_some_and(|words| words.ends_with(text)));
+            let found = all.iter().find(|one| one.change.words().ends_with(text));
             found.unwrap_or_else(|| panic!("{text}")).set.prepared.seen.values().to_vec()
         };
         assert_eq!(of("2 times the values of u_v"), [1.0, 5.0, -7.0, 3.0]);

@@ -22,8 +22,6 @@ pub struct Wording {
     pub inseparable: &'static str,
     /// What separates effects that no design separates, by the name of an effect; `None` of one of which nothing is known.
     pub knowledge: fn(&str) -> Option<&'static str>,
-    /// How to make the recording of a design: the height of its start in m, and its velocity there in m/s.
-    pub start: fn(f64, [f64; 3]) -> String,
     /// A segment between events, and several of them.
     pub segment: [&'static str; 2],
     /// Events.
@@ -46,7 +44,6 @@ pub static GENERAL: Wording = Wording {
     vary: "vary one thing at a time (start, inputs, parameters, sensor) and see with which of them it changes",
     inseparable: "no motion distinguishes",
     knowledge,
-    start,
     segment: ["segment", "segments"],
     events: "events",
     event_count: "the count of events",
@@ -93,8 +90,4 @@ fn knowledge(name: &str) -> Option<&'static str> {
         "observation_blur" => "look up over what time the sensor averages",
         _ => return None,
     })
-}
-
-fn start(height_m: f64, [x, y, z]: [f64; 3]) -> String {
-    format!("start it at a height of {height_m:.2} m with velocity ({x:.1}, {y:.1}, {z:.1}) m/s")
 }

@@ -26,21 +26,8 @@ impl Glider {
 
 fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64, plausible: (f64, f64)) -> Effect {
     Effect {
-        name: name.into(),
-        phase: Phase::Segment,
-        coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
-        sentence: "".into(),
-        always: false,
-        random: false,
-        mistaken_for: Vec::new(),
-        plausible_rests_on: Vec::new(),
-        implausible: None,
-        feigned_by: None,
-        forecast_share: 1.0,
-        exact_twins: Vec::new(),
-        restates: Vec::new(),
-        repeated_by: Vec::new(),
+        ..Effect::new(name, Phase::Segment, "", vec![Coefficient::new(key, "1", 0.0, range, typical)])
     }
 }
 

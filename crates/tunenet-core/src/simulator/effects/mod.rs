@@ -67,21 +67,9 @@ impl MeasurementEffect {
     /// Its entry.
     pub fn entry(&self) -> Effect {
         Effect {
-            name: self.name.into(),
-            phase: Phase::Measurement,
-            coefficients: self.coefficients.to_vec(),
             plausible: self.plausible.to_vec(),
-            sentence: self.sentence.into(),
-            always: false,
-            random: false,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
-            plausible_rests_on: Vec::new(),
-            implausible: None,
-            feigned_by: None,
-            forecast_share: 1.0,
-            exact_twins: Vec::new(),
-            restates: Vec::new(),
-            repeated_by: Vec::new(),
+            ..Effect::new(self.name, Phase::Measurement, self.sentence, self.coefficients.to_vec())
         }
     }
 }

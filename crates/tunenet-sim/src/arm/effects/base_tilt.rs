@@ -1,6 +1,6 @@
 //! An arm that does not stand upright.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -15,5 +15,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(-0.5, 0.5), (-0.5, 0.5)],
     sentence: "the base is not level: it is turned about x, then about y of the world",
     mistaken_for: &["joint_offset", "payload_com_offset", "torque_bias"],
+    excited_by: (Follows::Base, "turns with the direction in which the arm reaches"),
     apply: |arm, c| add(&mut arm.tilt_rad, c),
 };

@@ -1,6 +1,6 @@
 //! A gear that twists under its load.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -12,5 +12,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(0.0, 0.1)],
     sentence: "the gear gives way: the link stands behind the encoder by e times the joint's torque",
     mistaken_for: &["joint_offset", "joint_spring", "armature", "torque_gain"],
+    excited_by: (Follows::Rate, "follows the torque and its slopes"),
     apply: |arm, c| add(&mut arm.elasticity_rad_nm, c),
 };

@@ -1,6 +1,6 @@
 //! An encoder offset: its zero differs from the URDF's.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -12,5 +12,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(-0.5, 0.5)],
     sentence: "the joint stands this much farther than its encoder says",
     mistaken_for: &["base_tilt", "payload_com_offset", "joint_elasticity", "torque_bias", "joint_spring"],
+    excited_by: (Follows::Pose, "follows gravity as the joint alone turns"),
     apply: |arm, c| add(&mut arm.offset_rad, c),
 };

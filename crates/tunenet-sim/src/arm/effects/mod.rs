@@ -20,7 +20,7 @@ mod viscous_friction;
 
 pub use imperfections::Imperfections;
 
-use tunenet_core::simulator::{Coefficient, Effect, Phase};
+use tunenet_core::simulator::{Coefficient, Effect, Follows, Phase};
 
 /// An effect of an arm: its entry in the catalogue, and how it acts.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +39,8 @@ pub struct ArmEffect {
     pub sentence: &'static str,
     /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
+    /// What its torque follows, and what it does where that varies.
+    pub excited_by: (Follows, &'static str),
     /// Adds it to what an arm has, the numbers of all joints of the first coefficient first.
     pub apply: fn(&mut Imperfections, &[f64]),
 }
@@ -85,23 +87,14 @@ impl ArmEffect {
         let of_joints = |c: &Coefficient| -> Vec<Coefficient> {
             if self.per_joint { (1..=joints).map(|joint| c.clone().numbered(joint)).collect() } else { vec![c.clone()] }
         };
+        let coefficients = self.coefficients.iter().flat_map(of_joints).collect();
         Effect {
-            name: self.name.into(),
-            phase: self.phase.clone(),
-            coefficients: self.coefficients.iter().flat_map(of_joints).collect(),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
-            sentence: self.sentence.into(),
-            always: false,
-            random: false,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
-            plausible_rests_on: Vec::new(),
-            implausible: None,
             feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS.into()),
-            forecast_share: 1.0,
-            exact_twins: Vec::new(),
-            restates: Vec::new(),
-            repeated_by: Vec::new(),
+            ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
         }
+        .excited_by(self.excited_by.0, self.excited_by.1)
     }
 
     /// Whether these numbers mean that it is not there: its first coefficient is absent in every joint.

@@ -1,6 +1,6 @@
 //! An offset of the payload's centre of mass.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -16,5 +16,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(-0.5, 0.5), (-0.5, 0.5), (-0.5, 0.5)],
     sentence: "the payload's centre of mass differs from the file's, in the axes of its link",
     mistaken_for: &["joint_offset", "base_tilt", "torque_gain"],
+    excited_by: (Follows::Load, "is gone without the payload"),
     apply: |arm, c| add(&mut arm.com_offset_m, c),
 };

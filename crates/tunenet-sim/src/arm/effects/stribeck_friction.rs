@@ -1,6 +1,6 @@
 //! Friction that is greatest near rest and falls with speed.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -15,6 +15,7 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(0.0, 200.0), (0.001, 10.0)],
     sentence: "joint friction is larger near rest: the motor adds s · sign(dq) · exp(-(dq / v)²), v being `rad_s`",
     mistaken_for: &["coulomb_friction", "viscous_friction"],
+    excited_by: (Follows::Speed, "is there at the slowest speed alone"),
     apply: |arm, c| {
         let (size, speed) = c.split_at(c.len() / 2);
         add(&mut arm.stribeck_nm, size);

@@ -1,6 +1,6 @@
 //! Torque and motion stamped by different clocks.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::ArmEffect;
 
@@ -12,5 +12,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(-0.2, 0.2)],
     sentence: "the measured torque is late by a constant against the measured motion",
     mistaken_for: &["viscous_friction"],
+    excited_by: (Follows::Rate, "doubles where the torque changes twice as fast"),
     apply: |arm, c| arm.delay_s += c[0],
 };

@@ -1,6 +1,6 @@
 //! A sensor that shows something where nothing is.
 
-use tunenet_core::simulator::{Coefficient, Phase};
+use tunenet_core::simulator::{Coefficient, Follows, Phase};
 
 use super::{ArmEffect, add};
 
@@ -12,5 +12,6 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     plausible: &[(-100.0, 100.0)],
     sentence: "the measured torque has a constant offset",
     mistaken_for: &["joint_spring", "joint_offset", "base_tilt"],
+    excited_by: (Follows::Pose, "is the same in every pose"),
     apply: |arm, c| add(&mut arm.bias_nm, c),
 };

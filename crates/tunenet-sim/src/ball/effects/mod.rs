@@ -132,25 +132,18 @@ impl BallEffect {
     pub fn entry(&self, body: &Body) -> Effect {
         let of_unknown_mass = (self.plausible)(&Body { mass_kg: None, ..*body });
         Effect {
-            name: self.name.into(),
-            phase: self.phase.clone(),
-            coefficients: self.coefficients.to_vec(),
             plausible: (self.plausible)(body),
             plausible_rests_on: if (self.plausible)(body) == of_unknown_mass {
                 Vec::new()
             } else {
                 MASS_AND_SIZE.map(Text::from).to_vec()
             },
-            sentence: self.sentence.into(),
             always: self.name == DRAG && body.in_air,
             random: self.name == bounce_scatter::EFFECT.name,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
             implausible: (self.implausible)(body).map(Text::from),
-            feigned_by: None,
             forecast_share: self.forecast_share,
-            exact_twins: Vec::new(),
-            restates: Vec::new(),
-            repeated_by: Vec::new(),
+            ..Effect::new(self.name, self.phase.clone(), self.sentence, self.coefficients.to_vec())
         }
     }
 }
