@@ -39,13 +39,13 @@ pub struct FindingKind {
 }
 
 impl FindingKind {
-    /// A kind from its code (`release.late`), what it means and what to do about it.
+    /// A kind from its code (`fit.poor`), what it means and what to do about it.
     #[must_use]
     pub const fn new(code: &'static str, severity: Severity, meaning: &'static str, remedy: &'static str) -> Self {
         Self { code, severity, meaning, remedy }
     }
 
-    /// The fixed code for scripts: `release.late`.
+    /// The fixed code for scripts: `fit.poor`.
     #[must_use]
     pub const fn code(self) -> &'static str {
         self.code

@@ -1,16 +1,22 @@
 //! Observations, simulators, networks, estimation and diagnosis: the part of the tool that is the same for every simulator.
 //!
-//! It knows no physics engine, no video and no terminal. Seven modules, each importing only those above it:
+//! It knows no physics engine, no video and no terminal. All its modules are public. Eight of them answer a question each, and
+//! each imports only those above it:
 //!
 //! | module | question | start reading at |
 //! |---|---|---|
 //! | [`observation`] | what was measured? | [`observation::Observation`] |
 //! | [`simulator`] | which simulator, with which parameters? | [`simulator::Simulator`] |
-//! | [`network`] | which parameter error do residuals show? | the two-branch network |
-//! | [`estimate`] | which values fit best, and how surely? | [`estimate::Problem`] |
-//! | [`tune`] | what fits? | Algorithm 1 |
-//! | [`diagnose`] | what is missing? | [`diagnose::diagnose`] |
-//! | [`law`] | which formula is missing, where no known effect is? | [`law::search`] |
+//! | [`camera`] | where does a camera see a point? | [`camera::Pinhole`] |
+//! | [`network`] | which parameter error do residuals show? | [`network::Model`] |
+//! | [`estimate`] | which values fit best, and how uncertain are they? | [`estimate::Problem`] |
+//! | [`tune`] | which parameters fit? | [`tune::tune`] |
+//! | [`diagnose`] | which effect is missing? | [`diagnose::diagnose`] |
+//! | [`law`] | which formula is missing, where no known effect explains? | [`law::search`] |
+//!
+//! Every module may use four small ones: [`error`] (which names two types of [`network`]), [`finding`], [`findings`] and
+//! [`statistics`]. [`testing`] has simulators in closed form, made of [`observation`], [`simulator`] and [`network`], and
+//! [`text`] makes text of untrusted files safe to print; apart from unit tests no other module imports either.
 //!
 //! # A simulator of your own
 //!

@@ -41,7 +41,7 @@ pub struct Settings {
     pub set_aside: bool,
     /// Most rollouts; a search that takes more has no answer.
     pub max_rollouts: Option<usize>,
-    /// Whether whole recordings are searched once, without refinements, strategies and the next experiment.
+    /// Whether the first explanation is the answer, without further refinements, strategies and a next experiment.
     pub quick: bool,
     /// What texts say of things whose motion may have segments between events.
     pub wording: &'static Wording,

@@ -12,7 +12,7 @@
 //! | `hypothesis` | effects, parameters and nuisance parameters with their fit; forward selection |
 //! | `judge` | tests of what a hypothesis leaves: noise, practical significance, heterogeneity, held-out proof |
 //! | `discrepancy` | the search where no recording is expected to be explained down to its noise |
-//! | `strategy` | attempts at the whole record, at segments, with discrepancy as noise, with random contacts |
+//! | `strategy` | attempts at the whole record, at segments, with discrepancy as noise, with random effects of events |
 //! | `answer` | the verdict, its numbers and the next experiment |
 //!
 //! [`diagnose`] runs the whole chain. A smaller residual does not prove a name, since any further coefficient shrinks it; so
@@ -51,7 +51,6 @@ use crate::simulator::{Preparation, Prepared};
 use crate::{Error, Origin, Result};
 use answer::insufficient::too_few_rollouts;
 use evidence::copies;
-use evidence::recording::Set;
 use evidence::validation_split::{hold_end_out, set_aside};
 use pipeline::Preparations;
 
@@ -91,13 +90,13 @@ pub fn diagnose_with(
         return Err(Error::Setting { origin: Origin::Caller, name: "object", expected, found });
     }
     let mut uses = Vec::new();
-    let mut sets = Vec::new();
+    let mut usable = Vec::new();
     for (i, recording) in recordings.iter().enumerate() {
         let mut one = Use { name: recording.name.clone(), used: true, held_out: recording.held_out, notes: Vec::new() };
         match subjects[recording.object].simulator.prepare(recording.seen)? {
             Preparation::Usable(prepared) => {
                 one.notes.clone_from(&prepared.notes);
-                sets.push(Set::new(i, recording.object, recording.held_out, *prepared));
+                usable.push(PreparedRecording::new(i, recording.object, recording.held_out, *prepared));
             }
             Preparation::Rejected(rejected) => {
                 one.used = false;
@@ -107,18 +106,19 @@ pub fn diagnose_with(
         }
         uses.push(one);
     }
-    copies::label(&mut sets);
+    copies::label(&mut usable);
     let mut notes = Vec::new();
-    if settings.set_aside && !sets.is_empty() && !sets.iter().any(|s| s.held_out) && sets.iter().all(Set::driven) {
-        let ends = sets.iter_mut().map(hold_end_out).collect::<Result<Vec<_>>>()?;
-        sets.extend(ends.into_iter().flatten());
+    let choose = settings.set_aside && !usable.iter().any(|r| r.held_out);
+    if choose && !usable.is_empty() && usable.iter().all(PreparedRecording::driven) {
+        let ends = usable.iter_mut().map(hold_end_out).collect::<Result<Vec<_>>>()?;
+        usable.extend(ends.into_iter().flatten());
         let text = "the last third of each recording is held out for validation";
         notes.push(Note::new(findings::HELD_OUT_CHOSEN, text, ""));
-    } else if settings.set_aside && !sets.iter().any(|s| s.held_out) {
-        let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
+    } else if choose {
+        let objects: Vec<usize> = usable.iter().map(|r| r.object).collect();
         for i in set_aside(&objects, settings.seed) {
-            sets[i].held_out = true;
-            uses[sets[i].recording].held_out = true;
+            usable[i].held_out = true;
+            uses[usable[i].index].held_out = true;
         }
         let names: Vec<&str> = uses.iter().filter(|u| u.held_out).map(|u| u.name.as_str()).collect();
         if !names.is_empty() {
@@ -130,12 +130,12 @@ pub fn diagnose_with(
         }
     }
     let rollouts = RolloutLog::new(settings.max_rollouts, None, None);
-    for note in unread_starts(subjects, &sets, &rollouts) {
+    for note in unread_starts(subjects, &usable, &rollouts) {
         progress(Progress::Noticed(&note));
         notes.push(note);
     }
     let preparations = Preparations { uses, notes };
-    let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations), &rollouts);
+    let problem = Problem::new((subjects, recordings), (settings, progress), (&usable, &preparations), &rollouts);
     let first = problem.as_recorded();
     // What the limit ended is not used, not even in part: what it had reached depends on the number of threads.
     if let Some(most) = settings.max_rollouts.filter(|_| rollouts.was_short()) {
@@ -156,16 +156,17 @@ pub fn diagnose_with(
         best = found?.unwrap_or(best);
     }
     if settings.quick {
-        let text = "whole recordings were searched once; single recordings, segments and laws were not searched, and no experiment was designed";
-        best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for the full search"));
+        let text = "the diagnosis was quick: it ended with the first explanation, tried no other strategy and designed no next experiment";
+        best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "make the full diagnosis"));
     }
     Ok(Diagnosis { rollouts: rollouts.count(), ..best.diagnosis })
 }
 
 /// What is said of initial states that change nothing at the first guesses, in any recording of a subject.
-fn unread_starts(subjects: &[Subject], sets: &[Set], rollouts: &RolloutLog) -> Vec<Note> {
+fn unread_starts(subjects: &[Subject], recordings: &[PreparedRecording], rollouts: &RolloutLog) -> Vec<Note> {
     let of = |(object, subject): (usize, &Subject)| {
-        let ready = || sets.iter().filter(|set| set.object == object).map(Set::prepared);
+        let ready =
+            || recordings.iter().filter(|recording| recording.object == object).map(PreparedRecording::prepared);
         let guesses: Vec<Vec<f64>> = ready().map(Prepared::nuisance_values).collect();
         let each = ready().zip(&guesses).enumerate().map(|(d, (one, nuisances))| (d, one, nuisances.as_slice()));
         let parameters: Vec<f64> = subject.simulator.parameters().iter().map(|p| p.value).collect();

@@ -95,8 +95,8 @@ impl<'a> Problem<'a> {
     }
 
     /// The explanation of all recordings but the one at this position among those given.
-    pub(super) fn without(&self, recording: usize) -> Result<Explanation> {
-        self.among(self.recordings.iter().filter(|one| one.recording != recording).cloned().collect(), &|_| true)
+    pub(super) fn without(&self, index: usize) -> Result<Explanation> {
+        self.among(self.recordings.iter().filter(|one| one.index != index).cloned().collect(), &|_| true)
     }
 
     /// The explanation of `recordings` by `simulators`, one of each subject in its place, where only effects that `may` be

@@ -16,8 +16,8 @@ pub(crate) struct Arrow {
 /// One recording's part.
 pub(crate) struct Block {
     /// Which shared parameters it depends on; the others (another object's) do not touch it.
-    pub places: Vec<usize>,
-    /// Shape `[places, nuisances]`.
+    pub indices: Vec<usize>,
+    /// Shape `[indices, nuisances]`.
     pub coupling: DMatrix<f64>,
     /// Shape `[nuisances, nuisances]`.
     pub nuisances: DMatrix<f64>,
@@ -26,10 +26,10 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// `whole[places, places] -= part`.
+    /// `whole[indices, indices] -= part`.
     fn take(&self, whole: &mut DMatrix<f64>, part: &DMatrix<f64>) {
-        for (i, &row) in self.places.iter().enumerate() {
-            for (j, &column) in self.places.iter().enumerate() {
+        for (i, &row) in self.indices.iter().enumerate() {
+            for (j, &column) in self.indices.iter().enumerate() {
                 whole[(row, column)] -= part[(i, j)];
             }
         }
@@ -53,7 +53,7 @@ impl Arrow {
         self.shared[(i, i)] = 1.0;
         self.right[i] = 0.0;
         for block in &mut self.blocks {
-            if let Some(row) = block.places.iter().position(|&place| place == i) {
+            if let Some(row) = block.indices.iter().position(|&index| index == i) {
                 block.coupling.row_mut(row).fill(0.0);
             }
         }
@@ -75,11 +75,11 @@ impl Arrow {
             let through = &block.coupling * inverse;
             block.take(&mut schur, &(&through * block.coupling.transpose()));
             let known = &through * &block.nuisance_right;
-            block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
+            block.indices.iter().zip(known.iter()).for_each(|(&index, known)| right[index] -= known);
         }
         let shared = inverse(schur) * right;
         let nuisances = |(block, inverse): (&Block, &DMatrix<f64>)| {
-            let near = DVector::from_iterator(block.places.len(), block.places.iter().map(|&place| shared[place]));
+            let near = DVector::from_iterator(block.indices.len(), block.indices.iter().map(|&index| shared[index]));
             inverse * (&block.nuisance_right - block.coupling.transpose() * near)
         };
         let nuisances = self.blocks.iter().zip(&inverses).map(nuisances).collect();
@@ -93,7 +93,7 @@ impl Arrow {
             let through = &block.coupling * inverse(block.nuisances.clone());
             block.take(&mut schur, &(&through * block.coupling.transpose()));
             let known = &through * &block.nuisance_right;
-            block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
+            block.indices.iter().zip(known.iter()).for_each(|(&index, known)| right[index] -= known);
         }
         (schur, right)
     }
@@ -142,9 +142,9 @@ mod tests {
         let mut arrow = Arrow::new(2, 2);
         arrow.shared = DMatrix::from_row_slice(2, 2, &[9.0, 1.0, 1.0, 7.0]);
         arrow.right = DVector::from_row_slice(&[1.0, -2.0]);
-        for (place, coupling, nuisances, right) in [(0, 1.5, 4.0, 0.3), (1, -0.5, 3.0, 0.7)] {
+        for (index, coupling, nuisances, right) in [(0, 1.5, 4.0, 0.3), (1, -0.5, 3.0, 0.7)] {
             arrow.blocks.push(Block {
-                places: vec![place],
+                indices: vec![index],
                 coupling: DMatrix::from_element(1, 1, coupling),
                 nuisances: DMatrix::from_element(1, 1, nuisances),
                 nuisance_right: DVector::from_element(1, right),

@@ -1,7 +1,7 @@
 //! Cluster-robust covariance (Liang and Zeger 1986): uncertainty of a fit whose residuals are correlated within clusters.
 //!
-//! The curvature of the squares counts every sample as one draw. Recordings of a thing that changes from one to the next, or
-//! a model of an arm that leaves ripple, play and friction under load for seconds, hold far fewer. So the score of each cluster
+//! The curvature of the squares counts every sample as one draw. Recordings of a thing that changes from one to the next, or of
+//! a mechanism whose model leaves ripple, play and friction under load for seconds, hold far fewer. So the score of each cluster
 //! counts as one draw: the covariance is A⁻¹ (Σ s sᵀ) A⁻¹, A being the curvature and s the score of a cluster (the sandwich
 //! estimator of Huber 1967 with clusters, as in Liang and Zeger 1986).
 
@@ -22,19 +22,19 @@ pub(crate) struct Score {
     /// The cluster that it belongs to; several pieces may share one.
     pub cluster: usize,
     /// Which shared parameters it touches.
-    pub places: Vec<usize>,
-    /// What it knows of them, shape `[places, places]`.
+    pub indices: Vec<usize>,
+    /// What it knows of them, shape `[indices, indices]`.
     pub normal: DMatrix<f64>,
-    /// Gradient of its log-likelihood by them, shape `[places]`: 0 summed over all recordings where the fit has arrived.
+    /// Gradient of its log-likelihood by them, shape `[indices]`: 0 summed over all recordings where the fit has arrived.
     pub gradient: DVector<f64>,
 }
 
 impl Score {
-    /// From derivatives of white residuals by the shared parameters at `places`, and these residuals.
-    pub fn new(cluster: usize, places: &[usize], columns: &[&[f64]], residual: &[f64]) -> Self {
+    /// From derivatives of white residuals by the shared parameters at `indices`, and these residuals.
+    pub fn new(cluster: usize, indices: &[usize], columns: &[&[f64]], residual: &[f64]) -> Self {
         let normal = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
         let gradient = DVector::from_fn(columns.len(), |i, _| -dot(columns[i], residual));
-        Self { cluster, places: places.to_vec(), normal, gradient }
+        Self { cluster, indices: indices.to_vec(), normal, gradient }
     }
 }
 
@@ -63,9 +63,9 @@ impl ClusterRobust {
         let mut bearing = vec![BTreeSet::new(); size];
         for score in scores {
             let gradient = gradients.entry(score.cluster).or_insert_with(|| DVector::zeros(size));
-            for (i, &row) in score.places.iter().enumerate() {
+            for (i, &row) in score.indices.iter().enumerate() {
                 gradient[row] += score.gradient[i];
-                for (j, &column) in score.places.iter().enumerate() {
+                for (j, &column) in score.indices.iter().enumerate() {
                     whole[(row, column)] += score.normal[(i, j)];
                 }
                 if score.normal[(i, i)] > 0.0 {
@@ -99,12 +99,12 @@ impl Problem<'_> {
         if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| !r.driven()) {
             return None;
         }
-        let places: Vec<usize> = (0..n).collect();
+        let indices: Vec<usize> = (0..n).collect();
         let mut scores = Vec::new();
         for ((one, residual), noise) in linear.columns.iter().zip(&fit.residuals).zip(self.noise) {
             for range in stretches(residual.len(), noise.len()) {
                 let columns: Vec<&[f64]> = one.shared.iter().map(|column| &column[range.clone()]).collect();
-                scores.push(Score::new(scores.len(), &places, &columns, &residual[range]));
+                scores.push(Score::new(scores.len(), &indices, &columns, &residual[range]));
             }
         }
         let degrees_of_freedom = scores.len() as f64 - n as f64;

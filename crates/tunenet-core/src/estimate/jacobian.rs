@@ -11,8 +11,8 @@ use crate::{Error, Result};
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     /// Positions of the shared parameters in [`Point::parameters`].
-    pub places: Vec<usize>,
-    /// A column for each of them, shape `[place][sample · channel]`.
+    pub indices: Vec<usize>,
+    /// A column for each of them, shape `[index][sample · channel]`.
     pub shared: Vec<Vec<f64>>,
     /// A column for each nuisance parameter, shape `[nuisance parameter][sample · channel]`.
     pub nuisances: Vec<Vec<f64>>,
@@ -32,19 +32,19 @@ impl Columns {
 /// [flat](LeastSquares::flat_where_refused), or where it failed.
 pub(crate) fn jacobian(problem: &dyn LeastSquares, point: &Point, residuals: &[Vec<f64>]) -> Result<Vec<Columns>> {
     let recordings = problem.recordings();
-    let places: Vec<Vec<usize>> = recordings.iter().map(|&d| problem.touched(d)).collect();
+    let indices: Vec<Vec<usize>> = recordings.iter().map(|&d| problem.touched(d)).collect();
     let nuisances = |k: usize| problem.nuisances(recordings[k]).len().min(point.nuisances[recordings[k]].len());
     let tasks: Vec<(usize, usize)> = (0..recordings.len())
-        .flat_map(|k| (0..places[k].len() + nuisances(k)).map(move |column| (k, column)))
+        .flat_map(|k| (0..indices[k].len() + nuisances(k)).map(move |column| (k, column)))
         .collect();
     let column = |&(k, column): &(usize, usize)| -> Result<Vec<f64>> {
         let d = recordings[k];
         let moved = |direction: f64| {
             let (mut parameters, mut nuisances) = (point.parameters.clone(), point.nuisances[d].clone());
-            let step = if let Some(&place) = places[k].get(column) {
-                nudge(&mut parameters[place], problem.parameter(place), direction * problem.step(place))
+            let step = if let Some(&index) = indices[k].get(column) {
+                nudge(&mut parameters[index], problem.parameter(index), direction * problem.step(index))
             } else {
-                let i = column - places[k].len();
+                let i = column - indices[k].len();
                 let p = &problem.nuisances(d)[i];
                 nudge(&mut nuisances[i], p, direction * DIFFERENCE_STEP * p.span())
             };
@@ -61,12 +61,12 @@ pub(crate) fn jacobian(problem: &dyn LeastSquares, point: &Point, residuals: &[V
         Ok(values)
     };
     let mut columns = every(tasks.par_iter().map(column))?.into_iter();
-    let gather = |(k, places): (usize, Vec<usize>)| Columns {
-        shared: columns.by_ref().take(places.len()).collect(),
+    let gather = |(k, indices): (usize, Vec<usize>)| Columns {
+        shared: columns.by_ref().take(indices.len()).collect(),
         nuisances: columns.by_ref().take(nuisances(k)).collect(),
-        places,
+        indices,
     };
-    Ok(places.into_iter().enumerate().map(gather).collect())
+    Ok(indices.into_iter().enumerate().map(gather).collect())
 }
 
 /// Moves `value` by `step`, inward where it would leave the bounds; returns the step taken.
@@ -90,7 +90,7 @@ mod tests {
             let point = lines.start().with(&[1], &[b]);
             let found = jacobian(&lines, &point, &residuals(&lines, &point).unwrap()).unwrap();
             for one in found {
-                assert_eq!((one.count(), &one.places), (2, &vec![1]));
+                assert_eq!((one.count(), &one.indices), (2, &vec![1]));
                 let right = |(c, t): (&f64, &f64)| (c + t).abs() < 1e-8;
                 assert!(one.shared[0].iter().zip(&lines.clock).all(right), "{b}: {:?}", one.shared);
                 assert!(one.nuisances[0].iter().all(|c| (c + 1.0).abs() < 1e-8), "{:?}", one.nuisances);

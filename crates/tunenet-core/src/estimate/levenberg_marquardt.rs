@@ -321,7 +321,7 @@ fn secant(
     (before, after): (&[Vec<f64>], &[Vec<f64>]),
 ) -> Vec<Columns> {
     for (k, (one, &d)) in columns.iter_mut().zip(problem.recordings()).enumerate() {
-        let shared = one.places.iter().map(|&i| (to.parameters[i] - from.parameters[i], problem.parameter(i).span()));
+        let shared = one.indices.iter().map(|&i| (to.parameters[i] - from.parameters[i], problem.parameter(i).span()));
         let own = problem.nuisances(d).iter().enumerate();
         let own = own.map(|(i, p)| (to.nuisances[d][i] - from.nuisances[d][i], p.span()));
         let steps: Vec<(f64, f64)> = shared.chain(own).collect();
@@ -385,8 +385,8 @@ impl Step {
     /// Where it leads, within the bounds.
     fn from(&self, problem: &dyn LeastSquares, point: &Point) -> Point {
         let mut moved = point.clone();
-        for (&place, step) in problem.free().iter().zip(self.shared.iter()) {
-            moved.parameters[place] = problem.stepped(place, point.parameters[place], *step);
+        for (&index, step) in problem.free().iter().zip(self.shared.iter()) {
+            moved.parameters[index] = problem.stepped(index, point.parameters[index], *step);
         }
         for (&d, steps) in problem.recordings().iter().zip(&self.nuisances) {
             for ((value, step), p) in moved.nuisances[d].iter_mut().zip(steps.iter()).zip(problem.nuisances(d)) {

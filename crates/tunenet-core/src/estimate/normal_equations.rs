@@ -34,10 +34,10 @@ pub(crate) fn normal_equations(
             }
             right[i] = -dot(&weighted, left);
         }
-        let places: Vec<usize> = one.places.iter().filter_map(|p| free.iter().position(|f| f == p)).collect();
-        for (i, &row) in places.iter().enumerate() {
+        let indices: Vec<usize> = one.indices.iter().filter_map(|p| free.iter().position(|f| f == p)).collect();
+        for (i, &row) in indices.iter().enumerate() {
             arrow.right[row] += right[i];
-            for (j, &column) in places.iter().enumerate() {
+            for (j, &column) in indices.iter().enumerate() {
                 arrow.shared[(row, column)] += normal[(i, j)];
             }
         }
@@ -49,18 +49,18 @@ pub(crate) fn normal_equations(
             nuisance_right[i] -= (point.nuisances[d][i] - p.value) / sd.powi(2);
         }
         let coupling = normal.view((0, shared), (shared, nuisances)).into_owned();
-        arrow.blocks.push(Block { places, coupling, nuisances: nuisance_normal, nuisance_right });
+        arrow.blocks.push(Block { indices, coupling, nuisances: nuisance_normal, nuisance_right });
     }
-    for (i, &place) in free.iter().enumerate() {
-        arrow.shared[(i, i)] += problem.ridge(place);
+    for (i, &index) in free.iter().enumerate() {
+        arrow.shared[(i, i)] += problem.ridge(index);
     }
     arrow
 }
 
 /// Holds every free parameter that stands on a bound and wants to leave it (Bertsekas 1982).
 pub(crate) fn hold_at_bounds(problem: &dyn LeastSquares, point: &Point, equations: &mut Arrow) {
-    for (i, &place) in problem.free().iter().enumerate() {
-        let (p, value) = (problem.parameter(place), point.parameters[place]);
+    for (i, &index) in problem.free().iter().enumerate() {
+        let (p, value) = (problem.parameter(index), point.parameters[index]);
         if equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max {
             equations.hold(i);
         }

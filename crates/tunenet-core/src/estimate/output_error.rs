@@ -127,9 +127,9 @@ impl Linearisation {
     /// The columns of these shared parameters, and of all nuisance parameters.
     fn of(&self, free: &[usize]) -> Vec<Columns> {
         let kept = |one: &Columns| {
-            let both = || one.places.iter().zip(&one.shared).filter(|(place, _)| free.contains(place));
+            let both = || one.indices.iter().zip(&one.shared).filter(|(index, _)| free.contains(index));
             Columns {
-                places: both().map(|(place, _)| *place).collect(),
+                indices: both().map(|(index, _)| *index).collect(),
                 shared: both().map(|(_, column)| column.clone()).collect(),
                 nuisances: one.nuisances.clone(),
             }
@@ -297,8 +297,8 @@ impl Problem<'_> {
             let step = moved - point.parameters[position];
             point.parameters[position] = moved;
             for (residual, one) in residuals.iter_mut().zip(&linear.columns) {
-                let Some(place) = one.places.iter().position(|&place| place == position) else { continue };
-                residual.iter_mut().zip(&one.shared[place]).for_each(|(r, slope)| *r += slope * step);
+                let Some(column) = one.indices.iter().position(|&index| index == position) else { continue };
+                residual.iter_mut().zip(&one.shared[column]).for_each(|(r, slope)| *r += slope * step);
             }
         }
         let others: Vec<usize> = self.free.iter().copied().filter(|f| !positions.contains(f)).collect();

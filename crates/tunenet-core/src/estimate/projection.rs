@@ -1,4 +1,5 @@
-//! Columns of effects, less what start states and parameters can do in their stead.
+//! Frisch–Waugh–Lovell projection (Frisch and Waugh 1933; Lovell 1963): columns of effects, less what nuisance parameters and
+//! shared parameters of a model explain of them.
 
 use super::jacobian::Columns;
 use crate::statistics::dot;
@@ -6,7 +7,7 @@ use crate::statistics::dot;
 /// A direction whose projection keeps less than this share of its square is taken for dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// Takes out of a stacked column whatever nuisance parameters and free numbers of the model explain.
+/// Takes out of a stacked column whatever nuisance parameters and shared parameters of the model explain.
 pub(crate) struct Projector {
     /// Orthonormal, one group for each recording; the stretch of the stack that it covers.
     nuisances: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)>,
@@ -15,8 +16,8 @@ pub(crate) struct Projector {
 }
 
 impl Projector {
-    /// From the derivatives of a model with `globals` free numbers, over recordings of these lengths (values).
-    pub fn new(columns: &[Columns], lengths: &[usize], globals: usize) -> Self {
+    /// From the derivatives of a model with this many `shared` parameters, over recordings of these lengths (values).
+    pub fn new(columns: &[Columns], lengths: &[usize], shared: usize) -> Self {
         let mut nuisances = Vec::with_capacity(columns.len());
         let mut begin = 0;
         for (one, &length) in columns.iter().zip(lengths) {
@@ -24,7 +25,7 @@ impl Projector {
             begin += length;
         }
         let mut projector = Self { nuisances, shared: Vec::new() };
-        let stacked = (0..globals).map(|place| stack(columns, lengths, place));
+        let stacked = (0..shared).map(|index| stack(columns, lengths, index));
         let reduced = stacked.map(|mut column| {
             projector.project_nuisances(&mut column);
             column
@@ -46,11 +47,11 @@ impl Projector {
     }
 }
 
-/// The column of free number `place` over all recordings; 0 where it does not touch one.
-pub(crate) fn stack(columns: &[Columns], lengths: &[usize], place: usize) -> Vec<f64> {
+/// The column of the shared parameter `index` over all recordings; 0 for a recording that does not depend on it.
+pub(crate) fn stack(columns: &[Columns], lengths: &[usize], index: usize) -> Vec<f64> {
     let mut stacked = Vec::with_capacity(lengths.iter().sum());
     for (one, &length) in columns.iter().zip(lengths) {
-        match one.places.iter().position(|&p| p == place) {
+        match one.indices.iter().position(|&i| i == index) {
             Some(i) => stacked.extend_from_slice(&one.shared[i]),
             None => stacked.resize(stacked.len() + length, 0.0),
         }
@@ -95,7 +96,7 @@ mod tests {
         // Two recordings of three values; each has its own level, both share a slope.
         let level = vec![1.0; 3];
         let slope = vec![0.0, 1.0, 2.0];
-        let one = Columns { places: vec![0], shared: vec![slope.clone()], nuisances: vec![level.clone()] };
+        let one = Columns { indices: vec![0], shared: vec![slope.clone()], nuisances: vec![level.clone()] };
         let projector = Projector::new(&[one.clone(), one], &[3, 3], 1);
         let mut line = vec![5.0, 6.0, 7.0, -1.0, 0.0, 1.0];
         projector.project(&mut line);

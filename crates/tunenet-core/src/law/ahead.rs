@@ -90,7 +90,7 @@ impl<'a> Ahead<'a> {
             let numbers = law.numbers();
             let carried = session.carried(response, &law.terms, &numbers);
             let columns: Vec<Columns> =
-                linear.columns().iter().map(|one| Columns { places: vec![], shared: vec![], ..one.clone() }).collect();
+                linear.columns().iter().map(|one| Columns { indices: vec![], shared: vec![], ..one.clone() }).collect();
             let of = Fitted {
                 recordings: self.recordings,
                 noise: self.noise,
@@ -184,7 +184,7 @@ mod tests {
     /// and 16/(4 + 4) = 2 of their squares are explained.
     #[test]
     fn the_uncertainty_of_a_constant_explains_its_share() {
-        let columns = Columns { places: vec![0], shared: vec![vec![-1.0; 4]], nuisances: vec![] };
+        let columns = Columns { indices: vec![0], shared: vec![vec![-1.0; 4]], nuisances: vec![] };
         let linear = Linearisation::known(vec![columns]);
         let (p, explained) = differ(&linear, &[vec![1.0; 4]], &DMatrix::from_element(1, 1, 0.25));
         assert!((p - upper_chi_squared(2.0, 1.0)).abs() < 1e-12 && (explained - 2.0).abs() < 1e-12, "{p} {explained}");

@@ -39,9 +39,9 @@ impl Around {
     pub fn law(session: &Session, near: &Self, law: &Law) -> Result<Self> {
         let linear = session.linearise(&near.response, law)?;
         let columns = linear.columns().iter().map(|one| {
-            let kept = one.places.iter().filter(|place| **place < law.first).count();
+            let kept = one.indices.iter().filter(|index| **index < law.first).count();
             Columns {
-                places: one.places[..kept].to_vec(),
+                indices: one.indices[..kept].to_vec(),
                 shared: one.shared[..kept].to_vec(),
                 nuisances: one.nuisances.clone(),
             }
@@ -79,7 +79,7 @@ impl Around {
                 moved[i] += step;
                 let answers = self.response.answer(term, &moved);
                 for ((one, moved), still) in columns.iter_mut().zip(answers).zip(&still) {
-                    one.places.push(at);
+                    one.indices.push(at);
                     one.shared.push(moved.iter().zip(still).map(|(m, s)| (s - m) / step).collect());
                 }
                 at += 1;

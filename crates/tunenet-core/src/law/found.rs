@@ -60,13 +60,13 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
     let valid = (0..space.variables.len()).filter(used);
     let valid = valid.map(|v| (space.variables[v].name.clone(), (seen[v].low, seen[v].high))).collect();
     let bits = price::bits(space, session.factors, &law.terms);
-    let own = session.free.iter().enumerate().map(|(i, &place)| {
+    let own = session.free.iter().enumerate().map(|(i, &index)| {
         let half = NORMAL_95 * WIDER * law.fit.covariance[(i, i)].max(0.0).sqrt();
-        (place, half)
+        (index, half)
     });
     let halves: Vec<(usize, f64)> = own.collect();
     let parameter = |(i, value): (usize, &f64)| {
-        let half = halves.iter().find(|(place, _)| *place == i).map_or(0.0, |(_, half)| *half);
+        let half = halves.iter().find(|(index, _)| *index == i).map_or(0.0, |(_, half)| *half);
         (*value, (value - half, value + half))
     };
     Ok(Member {

@@ -31,7 +31,7 @@ mod tests {
     /// A line through the origin with an offset of each recording: the slope's information is the sum of squares about the mean.
     #[test]
     fn information_is_what_nuisances_leave() {
-        let columns = Columns { places: vec![0], shared: vec![vec![0.0, 1.0, 2.0]], nuisances: vec![vec![1.0; 3]] };
+        let columns = Columns { indices: vec![0], shared: vec![vec![0.0, 1.0, 2.0]], nuisances: vec![vec![1.0; 3]] };
         let (information, score) = said(&columns, &[1.0, 1.0, 4.0]);
         assert!((information[(0, 0)] - 2.0).abs() < 1e-12 && (score[0] - 3.0).abs() < 1e-12, "{information} {score}");
     }

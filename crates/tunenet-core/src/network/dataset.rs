@@ -52,14 +52,14 @@ pub struct DatasetHeader {
 }
 
 /// One pair: two rollouts on one clock that differ in their parameters alone, or a recording and a rollout from what was
-/// made of its release.
+/// made of its initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
     /// All parameters of the proposed model, shape `[parameter]`.
     pub proposed_parameters: Vec<f64>,
     /// All parameters of the target, shape `[parameter]`.
     pub target_parameters: Vec<f64>,
-    /// Nuisance parameters that both share, such as a height of release.
+    /// Nuisance parameters that both share, such as an initial height.
     pub own: Vec<f64>,
     /// What makes both dimensionless, where the simulator has such a thing.
     pub scale: Option<Scale>,

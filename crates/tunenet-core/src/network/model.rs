@@ -115,7 +115,7 @@ impl Model {
         &self.clock
     }
 
-    /// Whether it was trained on recordings with guesses of their release, each on its own clock, instead of on rollouts.
+    /// Whether it was trained on recordings with guesses of their initial state, each on its own clock, instead of on rollouts.
     #[must_use]
     pub fn from_recordings(&self) -> bool {
         self.clock.is_empty()
@@ -189,7 +189,7 @@ impl Model {
             Some(distance(place[0] + moved[0][0])? > distance(place[0])?)
         };
         // Next to where nothing changes (impacts that return next to nothing) the network may see a difference that is not there. Where
-        // it has learned how guesses of the release err, the distance is no judge of it.
+        // it has learned how guesses of the initial state err, the distance is no judge of it.
         let step =
             if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
         let each = self.about.parameters.iter().zip(place.iter().zip(&step));

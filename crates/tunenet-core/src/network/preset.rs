@@ -171,7 +171,7 @@ impl Preset {
         }
     }
 
-    /// For recordings of any body that falls and rebounds, as they come out of their preparation: release and surface are guesses, records
+    /// For recordings of any body that falls and rebounds, as they come out of their preparation: start and surface are guesses, records
     /// end anywhere.
     #[must_use]
     pub fn general() -> Self {
@@ -183,7 +183,7 @@ impl Preset {
         }
     }
 
-    /// The appendix of the paper for its arm: all torques, min-max normalised; residual over training span; SGD at 1e-2, times
+    /// The appendix of the paper for joint torques: all torques, min-max normalised; residual over training span; SGD at 1e-2, times
     /// 0.99 every 50 epochs; L2 1e-3; batches of 50; 1000 epochs; mean squared error.
     #[must_use]
     pub fn paper_arm() -> Self {
@@ -201,7 +201,7 @@ impl Preset {
         Self {
             input: InputChoice::Balanced { bins: 50 },
             features: 32,
-            // In standard deviations of all torques; an arm's are several N·m.
+            // In standard deviations of all torques; those of a mechanism are several N·m.
             course: Course::Remixed { steps: 4000, noise: 0.1, cut: 0.0 },
             library: 101,
             ..Self::default()

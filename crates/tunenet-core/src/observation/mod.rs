@@ -69,7 +69,7 @@ pub enum Kind {
     Pixels,
     /// Instants of events (impacts): one channel in s; the clock counts events from 0 and may skip one that was missed.
     EventTimes,
-    /// Joints of an arm: channels `q1`, `dq1`, `tau1`, … in rad, rad/s, N·m (or `i1` in A); clock in s.
+    /// Joints of a mechanism: channels `q1`, `dq1`, `tau1`, … in rad, rad/s, N·m (or `i1` in A); clock in s.
     Joints,
     /// Anything that a simulator outside this project observes; clock in s.
     Other,

@@ -45,8 +45,8 @@ use crate::{Error, Origin, Result};
 /// needed; a complete example stands in `examples/pendulum.rs` of this crate.
 ///
 /// A rollout takes two kinds of parameters:
-/// - **parameters** belong to the thing itself (its friction, its payload) and are what a user asks for;
-/// - **nuisance parameters** belong to one recording (the height of its release, where its floor lay) and are estimated with
+/// - **parameters** belong to the thing itself (its friction, its load) and are what a user asks for;
+/// - **nuisance parameters** belong to one recording (its initial state, the height of a surface) and are estimated with
 ///   it and then discarded. See [`prepare`](Simulator::prepare).
 ///
 /// What stands behind a reference or lies in a box is a simulator as well.

@@ -26,7 +26,7 @@ pub struct Prepared {
     pub noise: Option<Vec<f64>>,
     /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
     pub residual_scale: Option<Vec<f64>>,
-    /// Nuisance parameters of this recording (its release, its floor), each with a first guess as `value`.
+    /// Nuisance parameters of this recording (its initial state, the height of a surface), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
     /// Standard deviations of the priors of the nuisance parameters around their first guesses, in their order; of one that is
     /// missing here the prior is as wide as its bounds.

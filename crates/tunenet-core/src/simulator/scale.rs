@@ -6,8 +6,8 @@ use crate::{Error, Result};
 
 /// What makes one recording dimensionless: its own zero, length and time.
 ///
-/// For a body that falls from rest: the height at rest, the height of fall `h`, the instant of release and `√(h/g)`. Two recordings
-/// that differ only in these then look the same, so that what was learned from one height serves every other.
+/// For a body that falls from rest: the height at rest, the height of fall `h`, the instant at which the fall begins and `√(h/g)`.
+/// Two recordings that differ only in these then look the same, so that what was learned from one height serves every other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scale {

@@ -65,8 +65,8 @@ pub fn walk(
     {
         point = point.with(&free, &clamped(simulator, &free, &values));
     }
-    // Slopes compare trajectories to the last digit. Where the release is a guess they are wrong; the network has
-    // learned how guesses err.
+    // Slopes compare trajectories to the last digit. Where the initial state is a guess they are wrong; the network
+    // has learned how guesses err.
     let secant = settings.secant && free.len() == 1 && !model.from_recordings();
     let bounds = free.first().map(|&i| (simulator.parameters()[i].min, simulator.parameters()[i].max));
     let mut made = secant.then_some(bounds).flatten().map(Made::within);

@@ -102,7 +102,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome, detail: Detail) ->
     }
     let log = RolloutLog::default();
     let problem = Problem { simulator, recordings, noise: &noise, free: &free, log: Some(&log) };
-    // The record's own best; the estimate from the contacts only and the paper's last iterate differ from it.
+    // The record's own best; the estimate from the events only and the paper's last iterate differ from it.
     let fit = problem.fit(after.clone(), 1.0)?;
     let linear = problem.linearise(&fit)?;
     let scale = ScaleEstimate::of(&problem, &fit, &linear);

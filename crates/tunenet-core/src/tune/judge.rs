@@ -207,14 +207,14 @@ impl Tuning<'_> {
     ) -> Vec<Estimate> {
         let mut all = Vec::new();
         for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
-            let place = self.free.iter().position(|&f| f == i);
+            let free = self.free.iter().position(|&f| f == i);
             let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0, reported: false };
-            let standing = place.map_or(silent, |k| found[k]);
+            let standing = free.map_or(silent, |k| found[k]);
             if standing.status == Status::NoEffect {
                 fit.point.parameters[i] = start.parameters[i];
             }
             let value = fit.point.parameters[i];
-            let reason = self.recordings.iter().find_map(|r| r.silent[i].clone()).filter(|_| place.is_none());
+            let reason = self.recordings.iter().find_map(|r| r.silent[i].clone()).filter(|_| free.is_none());
             notes.extend(reason.or_else(|| standing.note(p, value)));
             all.push(Estimate {
                 name: p.name.clone(),
@@ -244,7 +244,7 @@ pub(super) struct Standing {
 }
 
 impl Standing {
-    /// Of a parameter that was read off the contacts. One that lies beyond a bound is set to the bound; `whole` is its
+    /// Of a parameter that was read off the events. One that lies beyond a bound is set to the bound; `whole` is its
     /// status by the fit to everything, whose score may exceed the bound as well.
     fn local(p: &Parameter, value: f64, sd: f64, whole: &Self) -> Self {
         let held = value.clamp(p.min, p.max);

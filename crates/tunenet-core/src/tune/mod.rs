@@ -309,7 +309,7 @@ impl Tuning<'_> {
         Ok(point)
     }
 
-    /// Takes the answer from the contacts only where they say something; the recordings' nuisance parameters follow the parameters
+    /// Takes the answer from the events only where they say something; the recordings' nuisance parameters follow the parameters
     /// that now stand, and so does all that is said of the answer.
     fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<()> {
         let whole = self.problem().rmse(&fit.residuals);

@@ -86,7 +86,7 @@ pub struct Gap {
     pub unit: String,
     /// With the parameters as they were, each recording's nuisance parameters fitted.
     pub before: f64,
-    /// With the answer: of all parameters those that fit best, or those read off the contacts only (`fit.local`), which
+    /// With the answer: of all parameters those that fit best, or those read off the events only (`fit.local`), which
     /// lie farther away.
     pub after: f64,
     /// What noise alone leaves.

@@ -149,7 +149,7 @@ impl Tuning<'_> {
             let fit = problem.fit(near.clone(), 1.0)?;
             best = best.filter(|best| best.cost <= fit.cost).or(Some(fit));
         }
-        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
+        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, start and surface
         // are right too, and what is left (friction) can be a long way off and still lie in the same local minimum.
         let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.around_local(l)).collect();
         let mut first = self.ranked(locals.clone());

@@ -6,14 +6,14 @@ use tunenet_core::simulator::{
     Measured, Parameter, Preparation, RolloutResult, Simulator, measurement_effects, rollout as run,
 };
 
-/// A throw without an end: x = 1 + 2 t, y = −½ + t, z = 3 t − p t²/2. Its clock must rise.
-struct Throw(Vec<Parameter>, Vec<Channel>, Kind);
+/// A body on an endless parabola: x = 1 + 2 t, y = −½ + t, z = 3 t − p t²/2. Its clock must rise.
+struct Parabola(Vec<Parameter>, Vec<Channel>, Kind);
 
 fn point(p: f64, t: f64) -> [f64; 3] {
     [1.0 + 2.0 * t, t - 0.5, 3.0 * t - 0.5 * p * t * t]
 }
 
-impl Simulator for Throw {
+impl Simulator for Parabola {
     fn parameters(&self) -> &[Parameter] {
         &self.0
     }
@@ -39,8 +39,8 @@ impl Simulator for Throw {
 
 const PULL: f64 = 9.0;
 
-fn throw() -> Throw {
-    Throw(vec![Parameter::new("pull", "m/s²", PULL, 0.0, 20.0).unwrap()], Channel::positions(), Kind::Positions)
+fn parabola() -> Parabola {
+    Parabola(vec![Parameter::new("pull", "m/s²", PULL, 0.0, 20.0).unwrap()], Channel::positions(), Kind::Positions)
 }
 
 fn clock() -> Vec<f64> {
@@ -49,13 +49,13 @@ fn clock() -> Vec<f64> {
 
 /// What is seen with these effects, `[name, values]`, as free ones; as fixed ones it has to be the same.
 fn seen(effects: &[(&str, &[f64])]) -> Result<Vec<f64>> {
-    let throw = throw();
+    let parabola = parabola();
     let names: Vec<&str> = effects.iter().map(|e| e.0).collect();
-    let free = Measured::new(&throw, &names)?;
+    let free = Measured::new(&parabola, &names)?;
     let mut parameters = vec![PULL];
     parameters.extend(effects.iter().flat_map(|e| e.1));
     let seen = run(&free, &parameters, &[], &clock())?;
-    let mut fixed = Measured::new(&throw, &[])?;
+    let mut fixed = Measured::new(&parabola, &[])?;
     for (name, values) in effects {
         fixed = fixed.fixed(name, values)?;
     }
@@ -123,7 +123,7 @@ fn clocks_follow_their_formulas() {
 fn a_rolling_shutter_reads_what_has_moved_meanwhile() {
     let delay = 0.004;
     // t' = t + delay z(t'), a quadratic of t'.
-    // Four rounds leave (delay · 7 m/s)⁴ = 6e-7 of the 6 cm that a height of 2 m moves the ball.
+    // Four rounds leave (delay · 7 m/s)⁴ = 6e-7 of the 6 cm that a height of 2 m moves the body.
     follows(&[("rolling_shutter", &[delay])], 4e-8, |t| {
         let (a, b) = (0.5 * PULL * delay, 1.0 - 3.0 * delay);
         at((-b + (b * b + 4.0 * a * t).sqrt()) / (2.0 * a))
@@ -144,21 +144,21 @@ fn effects_act_in_the_order_of_the_light() {
 
 #[test]
 fn absent_effects_change_no_bit() {
-    let throw = throw();
-    let plain = run(&throw, &[PULL], &[], &clock()).unwrap();
+    let parabola = parabola();
+    let plain = run(&parabola, &[PULL], &[], &clock()).unwrap();
     let all = measurement_effects(Kind::Positions);
     assert_eq!(all.len(), 9);
     let names: Vec<&str> = all.iter().map(|e| e.name.as_ref()).collect();
-    let measured = Measured::new(&throw, &names).unwrap();
+    let measured = Measured::new(&parabola, &names).unwrap();
     let absent: Vec<f64> = measured.parameters().iter().map(|p| p.value).collect();
     assert_eq!(run(&measured, &absent, &[], &clock()).unwrap(), plain);
 }
 
 #[test]
 fn derivatives_are_smooth() {
-    let throw = throw();
+    let parabola = parabola();
     for effect in measurement_effects(Kind::Positions) {
-        let measured = Measured::new(&throw, &[&effect.name]).unwrap();
+        let measured = Measured::new(&parabola, &[&effect.name]).unwrap();
         let absent: Vec<f64> = measured.parameters().iter().map(|p| p.value).collect();
         for (i, c) in effect.coefficients.iter().enumerate() {
             for away in [0.0, 1.0] {
@@ -189,7 +189,7 @@ fn other_kinds_show_what_they_can() {
     assert_eq!(names(Kind::Joints), Vec::<&str>::new());
     // On a series of no kind, lengths are the channels in m.
     let channels = vec![Channel::new("way", "m"), Channel::new("share", "1")];
-    let other = Throw(throw().0, channels, Kind::Other);
+    let other = Parabola(parabola().0, channels, Kind::Other);
     let measured = Measured::new(&other, &["length_scale", "time_scale"]).unwrap();
     let seen = run(&measured, &[PULL, 2.0, 2.0], &[], &clock()).unwrap();
     for (t, row) in clock().iter().zip(seen.chunks(2)) {
@@ -201,10 +201,10 @@ fn other_kinds_show_what_they_can() {
 
 #[test]
 fn a_recording_is_made_ready_as_the_inner_simulator_does() {
-    let (throw, clock) = (throw(), clock());
-    let values = run(&throw, &[PULL], &[], &clock).unwrap();
+    let (parabola, clock) = (parabola(), clock());
+    let values = run(&parabola, &[PULL], &[], &clock).unwrap();
     let seen = Observation::new(Kind::Positions, Channel::positions(), clock, values).unwrap();
-    let measured = Measured::new(&throw, &["camera_tilt"]).unwrap();
+    let measured = Measured::new(&parabola, &["camera_tilt"]).unwrap();
     let Preparation::Usable(prepared) = measured.prepare(&seen).unwrap() else { panic!("nothing is wrong with it") };
     assert_eq!((prepared.local.len(), prepared.silent.len()), (3, 3));
     assert_eq!(prepared.seen, seen);
@@ -217,10 +217,10 @@ fn what_cannot_be_is_refused_with_a_sentence() {
     assert!(said(&[("observation_blur", &[f64::NAN])]).contains("`observation_blur.exposure_s` is NaN"));
     assert!(said(&[("tide", &[0.0])]).contains("`tide`"));
     assert!(said(&[("time_scale", &[1.1]), ("time_scale", &[1.1])]).contains("once"));
-    let throw = throw();
-    assert!(Measured::new(&throw, &[]).unwrap().fixed("length_scale", &[-1.0]).is_err());
+    let parabola = parabola();
+    assert!(Measured::new(&parabola, &[]).unwrap().fixed("length_scale", &[-1.0]).is_err());
     // 3 t − 4.5 t² is −16.5 m after 2.3 s: behind a camera whose scale doubles in 10 m.
-    let behind = Measured::new(&throw, &["perspective"]).unwrap();
+    let behind = Measured::new(&parabola, &["perspective"]).unwrap();
     let said = run(&behind, &[PULL, 0.1], &[], &[2.3]).unwrap_err().to_string();
     assert!(said.contains("behind the camera"), "{said}");
     // A pendulum or anything else that knows no effects of its own says so.

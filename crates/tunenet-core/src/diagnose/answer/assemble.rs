@@ -12,8 +12,8 @@ use crate::diagnose::answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
     Tuned, Use, Value, Verdict,
 };
-use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
+use crate::diagnose::evidence::recording::PreparedRecording;
+use crate::diagnose::hypothesis::context::{Context, EventEffects, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::held_out_proof::HeldOut;
@@ -29,7 +29,7 @@ use crate::tune::{estimates_near, note_tied, tied_near};
 /// The answer of what was judged.
 pub(in crate::diagnose) fn assemble(
     judged: &Judgement,
-    recordings: &[Recording],
+    given: &[Recording],
     mut uses: Vec<Use>,
     mut notes: Vec<Note>,
 ) -> Result<Diagnosis> {
@@ -43,14 +43,14 @@ pub(in crate::diagnose) fn assemble(
             "",
         ));
     }
-    note_excluded(context, recordings, &mut uses);
+    note_excluded(context, given, &mut uses);
     let mut objects = by_object(judged, &intervals);
     let spared = without_unneeded(judged, &mut objects)?;
     let narrower = spared.as_ref().map(|one| Intervals::new(&one.context, &one.model, judged.heterogeneous));
     let narrower = narrower.transpose()?;
     let numbers = Numbers { model: last, intervals: &intervals, spared: narrower.as_ref() };
-    let explained = explained(judged, spared.as_ref(), recordings)?;
-    let parameters = as_tuned(judged, recordings, parameters(context, found, &numbers))?;
+    let explained = explained(judged, spared.as_ref(), given)?;
+    let parameters = as_tuned(judged, given, parameters(context, found, &numbers))?;
     note_undetermined(context, judged.best(), &parameters, &mut notes);
     let tied = tied(judged)?;
     notes.extend(tied.iter().map(|group| note_tied(group)));
@@ -82,11 +82,11 @@ struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// Shared parameter `g` of the model and its interval: without what objects do not need, where it is then still there.
-    fn of(&self, g: usize) -> (f64, (f64, f64)) {
-        let global = &self.model.structure.globals[g];
-        let found = self.spared.and_then(|spared| spared.number(global.object, &global.parameter.name));
-        found.unwrap_or_else(|| (self.model.fit.point.parameters[g], self.intervals.of(g)))
+    /// The shared parameter of this column and its interval: of the hypothesis without what objects do not need, where that has it.
+    fn of(&self, column: usize) -> (f64, (f64, f64)) {
+        let shared = &self.model.structure.shared[column];
+        let found = self.spared.and_then(|spared| spared.number(shared.object, &shared.parameter.name));
+        found.unwrap_or_else(|| (self.model.fit.point.parameters[column], self.intervals.of(column)))
     }
 }
 
@@ -94,8 +94,8 @@ impl Numbers<'_> {
 fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
     let Judgement { context, found, decision, .. } = judged;
     let effects = || {
-        let places = found.places.iter().zip(&decision.alternatives);
-        places.map(|(place, near)| named(context, numbers, place, near)).collect()
+        let each = found.selected.iter().zip(&decision.alternatives);
+        each.map(|(selected, near)| named(context, numbers, selected, near)).collect()
     };
     Ok(match decision.verdict {
         Verdict::None => Conclusion::None,
@@ -158,23 +158,23 @@ fn check_settings(judged: &Judgement) -> Option<String> {
     })
 }
 
-fn named(context: &Context, numbers: &Numbers, place: &SelectedEffect, alternatives: &[usize]) -> NamedEffect {
+fn named(context: &Context, numbers: &Numbers, selected: &SelectedEffect, alternatives: &[usize]) -> NamedEffect {
     let model = numbers.model;
-    let entry = &context.catalogue[place.entry];
-    let position = model.structure.effects.iter().position(|&e| e == place.entry);
+    let entry = &context.catalogue[selected.entry];
+    let position = model.structure.effects.iter().position(|&e| e == selected.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
-    let mut objects: Vec<Option<usize>> = mine.iter().map(|&g| model.structure.globals[g].object).collect();
+    let mut objects: Vec<Option<usize>> = mine.iter().map(|&column| model.structure.shared[column].object).collect();
     objects.sort_unstable();
     objects.dedup();
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
-        let globals = &model.structure.globals;
-        let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
-        let values = places.map(|g| {
-            let (value, interval95) = numbers.of(g);
-            Value { object: globals[g].object, value, interval95 }
+        let shared = &model.structure.shared;
+        let columns = mine.iter().copied().filter(|&column| shared[column].effect.is_some_and(|e| e.1 == k));
+        let values = columns.map(|column| {
+            let (value, interval95) = numbers.of(column);
+            Value { object: shared[column].object, value, interval95 }
         });
-        let values = match context.random_tilts {
-            Some(RandomTilts { sd_rad: sd, count }) if entry.chance() => {
+        let values = match context.event_effects {
+            Some(EventEffects { sd, count }) if entry.is_random_effect() => {
                 // The relative standard deviation of a spread estimated from so many draws.
                 let reach = NORMAL_95 * sd / (2.0 * count.max(1) as f64).sqrt();
                 vec![Value { object: None, value: sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
@@ -192,29 +192,29 @@ fn named(context: &Context, numbers: &Numbers, place: &SelectedEffect, alternati
     });
     // What acts along an axis that was not measured has no value.
     let coefficients = coefficients.filter(|fitted| !fitted.values.is_empty());
-    let next = place.others.first();
+    let next = selected.others.first();
     NamedEffect {
         effect: entry.of[0].clone(),
         coefficients: coefficients.collect(),
         evidence: Evidence {
-            bic_gain: place.gain,
+            bic_gain: selected.gain,
             runner_up: next.map(|(other, _)| context.catalogue[*other].name.clone()),
             runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
-            p_value: place.p_value,
+            p_value: selected.p_value,
         },
         alternatives: alternatives.iter().map(|&other| context.catalogue[other].name.clone()).collect(),
     }
 }
 
 fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> Vec<Candidate> {
-    let best = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.gain).fold(f64::NEG_INFINITY, f64::max);
-    let each = found.alone.iter().map(|t| Candidate {
-        name: context.catalogue[t.entry].name.clone(),
-        bic_gain: t.gain,
-        delta: best - t.gain,
-        fitted: t.model.is_some(),
-        held_out_ratio: ratios.iter().find(|(entry, _)| *entry == t.entry).map(|(_, ratio)| *ratio),
-        excluded: t.excluded.clone(),
+    let best = found.alone.iter().filter(|c| c.excluded.is_none()).map(|c| c.gain).fold(f64::NEG_INFINITY, f64::max);
+    let each = found.alone.iter().map(|c| Candidate {
+        name: context.catalogue[c.entry].name.clone(),
+        bic_gain: c.gain,
+        delta: best - c.gain,
+        fitted: c.model.is_some(),
+        held_out_ratio: ratios.iter().find(|(entry, _)| *entry == c.entry).map(|(_, ratio)| *ratio),
+        excluded: c.excluded.clone(),
     });
     each.collect()
 }
@@ -242,19 +242,19 @@ fn gap(judged: &Judgement, spared: Option<&Spared>) -> Result<Gap> {
 
 fn parameters(context: &Context, found: &Selection, numbers: &Numbers) -> Vec<Tuned> {
     let last = numbers.model;
-    let nuisances = last.structure.globals.iter().enumerate().filter(|(_, g)| g.effect.is_none());
-    nuisances
-        .map(|(g, global)| {
-            let object = global.object.unwrap_or(0);
+    let tuned = last.structure.shared.iter().enumerate().filter(|(_, shared)| shared.effect.is_none());
+    tuned
+        .map(|(column, shared)| {
+            let object = shared.object.unwrap_or(0);
             let given =
-                context.subjects[object].simulator.parameters().iter().find(|p| p.name == global.parameter.name);
-            let (value, interval95) = numbers.of(g);
+                context.subjects[object].simulator.parameters().iter().find(|p| p.name == shared.parameter.name);
+            let (value, interval95) = numbers.of(column);
             Tuned {
                 object,
-                name: global.parameter.name.clone(),
-                unit: global.parameter.unit.clone(),
-                given: given.map_or(global.parameter.value, |p| p.value),
-                before: found.base.fit.point.parameters[g],
+                name: shared.parameter.name.clone(),
+                unit: shared.parameter.unit.clone(),
+                given: given.map_or(shared.parameter.value, |p| p.value),
+                before: found.base.fit.point.parameters[column],
                 value,
                 interval95,
             }
@@ -264,7 +264,7 @@ fn parameters(context: &Context, found: &Selection, numbers: &Numbers) -> Vec<Tu
 
 /// The parameters as [tuning](crate::tune) states them, where nothing is missing: then both answer the same question. Where the
 /// tuning leaves more than noise, or a parameter is not determined, they stay as they are.
-fn as_tuned(judged: &Judgement, recordings: &[Recording], mut parameters: Vec<Tuned>) -> Result<Vec<Tuned>> {
+fn as_tuned(judged: &Judgement, given: &[Recording], mut parameters: Vec<Tuned>) -> Result<Vec<Tuned>> {
     let context = &judged.context;
     if judged.decision.verdict != Verdict::None || judged.random_parameter.is_some() {
         return Ok(parameters);
@@ -273,9 +273,9 @@ fn as_tuned(judged: &Judgement, recordings: &[Recording], mut parameters: Vec<Tu
         let near = judged.found.base.structure.parameters(object, &judged.found.base.fit.point.parameters);
         let mut point = Point { parameters: near, nuisances: Vec::new() };
         let mut prepared = Vec::new();
-        for (d, set) in context.sets().iter().enumerate().filter(|(_, set)| set.object == object) {
-            let one = tuned_recording(subject, set, recordings)?;
-            let known = set.prepared.nuisances.iter().zip(&judged.found.base.fit.point.nuisances[d]);
+        for (index, recording) in context.recordings().iter().enumerate().filter(|(_, r)| r.object == object) {
+            let one = tuned_recording(subject, recording, given)?;
+            let known = recording.prepared.nuisances.iter().zip(&judged.found.base.fit.point.nuisances[index]);
             let known: Vec<(&str, f64)> = known.map(|(p, value)| (p.name.as_str(), *value)).collect();
             let value = |p: &Parameter| known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
             point.nuisances.push(one.nuisances.iter().map(value).collect());
@@ -305,13 +305,14 @@ fn tied(judged: &Judgement) -> Result<Vec<Vec<String>>> {
     let (context, last) = (&judged.context, judged.last());
     let mut all = Vec::new();
     for (object, subject) in context.subjects.iter().enumerate().filter(|_| !context.settings.quick) {
-        let sets = context.sets().iter().enumerate().filter(|(_, set)| set.object == object);
-        let (places, recordings): (Vec<usize>, Vec<Prepared>) = sets.map(|(d, set)| (d, set.prepared.clone())).unzip();
+        let own = context.recordings().iter().enumerate().filter(|(_, r)| r.object == object);
+        let (indices, recordings): (Vec<usize>, Vec<Prepared>) =
+            own.map(|(index, r)| (index, r.prepared.clone())).unzip();
         if recordings.is_empty() || subject.simulator.effects().iter().all(|effect| effect.restates.is_empty()) {
             continue;
         }
         let parameters = last.structure.parameters(object, &last.fit.point.parameters);
-        let nuisances = places.iter().map(|&d| last.fit.point.nuisances[d].clone()).collect();
+        let nuisances = indices.iter().map(|&index| last.fit.point.nuisances[index].clone()).collect();
         let rest = context.rollouts.remainder();
         let point = Point { parameters, nuisances };
         let found = tied_near(last.structure.simulator(object), recordings, &point, &rest);
@@ -324,33 +325,33 @@ fn tied(judged: &Judgement) -> Result<Vec<Vec<String>>> {
 }
 
 /// A recording as it is tuned to: with its end at rest, and with all that is free there. Of a driven one the end is held out.
-fn tuned_recording(subject: &Subject, set: &Set, recordings: &[Recording]) -> Result<Prepared> {
-    if !set.driven()
-        && let Preparation::Usable(prepared) = subject.simulator.prepare(recordings[set.recording].seen)?
+fn tuned_recording(subject: &Subject, recording: &PreparedRecording, given: &[Recording]) -> Result<Prepared> {
+    if !recording.driven()
+        && let Preparation::Usable(prepared) = subject.simulator.prepare(given[recording.index].seen)?
     {
         return Ok(*prepared);
     }
-    Ok(set.prepared.clone())
+    Ok(recording.prepared.clone())
 }
 
-fn explained(judged: &Judgement, spared: Option<&Spared>, recordings: &[Recording]) -> Result<Vec<Explained>> {
+fn explained(judged: &Judgement, spared: Option<&Spared>, given: &[Recording]) -> Result<Vec<Explained>> {
     let context = &judged.context;
     let last = spared.map_or_else(|| judged.last(), |one| &one.model);
     let held_out = spared.map_or(judged.after.as_ref(), |one| one.held_out.as_ref());
-    let one = |set: &Set, before: &[f64], after: &[f64], nuisances: &[f64]| Explained {
-        recording: set.recording,
-        object: set.object,
-        name: recordings[set.recording].name.clone(),
+    let one = |recording: &PreparedRecording, before: &[f64], after: &[f64], nuisances: &[f64]| Explained {
+        recording: recording.index,
+        object: recording.object,
+        name: given[recording.index].name.clone(),
         segment: None,
-        held_out: set.held_out,
-        seen: set.prepared.seen.clone(),
-        kept: set.keep.clone(),
+        held_out: recording.held_out,
+        seen: recording.prepared.seen.clone(),
+        kept: recording.keep.clone(),
         before: before.to_vec(),
         after: after.to_vec(),
-        noise: set.noise.clone(),
-        measured_noise: set.measured_noise.clone(),
-        events: set.events.clone(),
-        nuisances: set
+        noise: recording.noise.clone(),
+        measured_noise: recording.measured_noise.clone(),
+        events: recording.events.clone(),
+        nuisances: recording
             .prepared
             .nuisances
             .iter()
@@ -359,13 +360,13 @@ fn explained(judged: &Judgement, spared: Option<&Spared>, recordings: &[Recordin
             .collect(),
     };
     let (before, after) = (context.weighted(&judged.found.base)?, context.weighted(last)?);
-    let mut all: Vec<Explained> = (0..context.sets().len())
-        .map(|d| one(&context.sets()[d], &before[d], &after[d], &last.fit.point.nuisances[d]))
+    let mut all: Vec<Explained> = (0..context.recordings().len())
+        .map(|d| one(&context.recordings()[d], &before[d], &after[d], &last.fit.point.nuisances[d]))
         .collect();
     if let (Some(before), Some(after)) = (&judged.before, held_out) {
         let after = if judged.reports_effects() { after } else { before };
-        for (d, set) in context.evidence.validation.iter().enumerate() {
-            all.push(one(set, &before.residuals[d], &after.residuals[d], &after.nuisances[d]));
+        for (index, recording) in context.evidence.validation.iter().enumerate() {
+            all.push(one(recording, &before.residuals[index], &after.residuals[index], &after.nuisances[index]));
         }
     }
     all.sort_by_key(|e| e.recording);

@@ -5,7 +5,7 @@
 
 use crate::Result;
 use crate::diagnose::answer::NextExperiment;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::Input;
 use crate::simulator::{Effect, Excitation, Follows};
@@ -56,18 +56,18 @@ pub(in crate::diagnose) fn next(
 ) -> Result<NextExperiment> {
     let position = best.structure.effects.iter().position(|&e| e == contested);
     let mut without = best.fit.point.clone();
-    for g in position.map_or_else(Vec::new, |p| best.structure.of_effect(p)) {
-        without.parameters[g] = best.structure.globals[g].absent.map_or(0.0, |(absent, _)| absent);
+    for column in position.map_or_else(Vec::new, |p| best.structure.of_effect(p)) {
+        without.parameters[column] = best.structure.shared[column].absent.map_or(0.0, |(absent, _)| absent);
     }
     let joint = context.joint(&best.structure);
     let (there, gone) = (joint.plain_residuals(&best.fit.point)?, joint.plain_residuals(&without)?);
     let differences = there.iter().zip(&gone).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-    let joint = strongest(context.sets(), &differences.collect::<Vec<_>>());
+    let joint = strongest(context.recordings(), &differences.collect::<Vec<_>>());
     let entries: Vec<Contested> = std::iter::once(&contested)
         .chain(others)
         .map(|&entry| Contested::of(&context.catalogue[entry].of[0]))
         .collect();
-    Ok(apart(&entries, &reach(context.sets(), joint)))
+    Ok(distinguishing(&entries, &reach(context.recordings(), joint)))
 }
 
 /// The experiment that shows more of what no known effect explains, in addition to `best`.
@@ -76,25 +76,28 @@ pub(in crate::diagnose) fn next(
 /// Where a simulator refuses.
 pub(in crate::diagnose) fn vary(context: &Context, best: &Hypothesis) -> Result<NextExperiment> {
     let plain = context.joint(&best.structure).plain_residuals(&best.fit.point)?;
-    Ok(alone(&reach(context.sets(), strongest(context.sets(), &plain))))
+    Ok(alone(&reach(context.recordings(), strongest(context.recordings(), &plain))))
 }
 
 /// The joint in which such values have the largest squares in units of the noise.
-fn strongest(sets: &[Set], values: &[Vec<f64>]) -> usize {
-    let mut sums = vec![0.0; sets.first().map_or(0, Set::width)];
-    for (set, values) in sets.iter().zip(values) {
-        let width = set.width();
+fn strongest(recordings: &[PreparedRecording], values: &[Vec<f64>]) -> usize {
+    let mut sums = vec![0.0; recordings.first().map_or(0, PreparedRecording::width)];
+    for (recording, values) in recordings.iter().zip(values) {
+        let width = recording.width();
         for (i, value) in values.iter().enumerate() {
-            sums[i % width] += (value / set.noise[i % width]).powi(2);
+            sums[i % width] += (value / recording.noise[i % width]).powi(2);
         }
     }
     (0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0)
 }
 
 /// How far and how fast the recordings move a joint, where their inputs hold angles and speeds of every joint in order.
-fn reach(sets: &[Set], joint: usize) -> Reach {
+fn reach(recordings: &[PreparedRecording], joint: usize) -> Reach {
     let mut found = Reach { joint: joint + 1, low_rad: f64::INFINITY, high_rad: f64::NEG_INFINITY, fastest_rad_s: 0.0 };
-    let inputs = sets.iter().filter_map(|set| set.prepared.circumstances.as_ref()).flat_map(|known| &known.inputs);
+    let inputs = recordings
+        .iter()
+        .filter_map(|recording| recording.prepared.circumstances.as_ref())
+        .flat_map(|known| &known.inputs);
     for input in inputs.map(Input::series) {
         let column = |unit: &str| {
             let of_unit = input.channels().iter().enumerate().filter(|(_, channel)| channel.unit == unit);
@@ -112,7 +115,7 @@ fn reach(sets: &[Set], joint: usize) -> Reach {
 }
 
 /// The motions in which the contested effects differ.
-fn apart(contested: &[Contested], reach: &Reach) -> NextExperiment {
+fn distinguishing(contested: &[Contested], reach: &Reach) -> NextExperiment {
     let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
     let count = |what: Follows| contested.iter().filter(|one| one.follows == what).count();
     let poses = count(Follows::Pose) + count(Follows::Base);
@@ -222,16 +225,16 @@ mod tests {
     /// What is asked for follows from the effects that remain, with joint, speeds and poses of the recordings.
     #[test]
     fn each_set_has_a_motion_of_its_own() {
-        let friction = apart(&[VISCOUS, COULOMB], &REACH);
+        let friction = distinguishing(&[VISCOUS, COULOMB], &REACH);
         let (text, speeds) = (&friction.text, "joint 3 alone to and fro at constant 0.08, 0.25 and 0.80 rad/s");
         assert!(text.contains(speeds) && text.contains("coulomb_friction is the same at every speed"), "{text}");
         assert!(friction.settings.contains(&("fast_rad_s".to_owned(), 0.8)));
-        let rate = apart(&[INERTIA], &REACH).text;
+        let rate = distinguishing(&[INERTIA], &REACH).text;
         assert!(rate.starts_with("repeat the same motion of joint 3 twice as fast, up to 1.60 rad/s"), "{rate}");
-        let pose = apart(&[OFFSET, TILT], &REACH).text;
+        let pose = distinguishing(&[OFFSET, TILT], &REACH).text;
         assert!(pose.contains("six poses from -1.50 to 0.50 rad") && pose.contains("joint 1 turned"), "{pose}");
-        assert!(!apart(&[OFFSET], &REACH).text.contains("joint 1 turned"));
-        let load = apart(&[OFFSET, GAIN], &REACH).text;
+        assert!(!distinguishing(&[OFFSET], &REACH).text.contains("joint 1 turned"));
+        let load = distinguishing(&[OFFSET, GAIN], &REACH).text;
         assert!(load.contains("once with and once without the load") && load.contains("hold joint 3 still"), "{load}");
         assert!(alone(&REACH).text.starts_with("move joint 3 alone"));
     }
@@ -240,7 +243,7 @@ mod tests {
     #[test]
     fn an_effect_without_a_known_motion_is_sought_in_poses() {
         let effect = Effect::new("sag", crate::simulator::Phase::Joint, "", Vec::new());
-        let asked = apart(&[Contested::of(&effect)], &REACH).text;
+        let asked = distinguishing(&[Contested::of(&effect)], &REACH).text;
         assert!(asked.starts_with("hold joint 3 still") && asked.ends_with("sag differs there"), "{asked}");
     }
 }

@@ -12,11 +12,11 @@ const LEAST_FREEDOM: usize = 12;
 /// The answer of recordings that cannot give one.
 pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> {
     let values = context.count();
-    let nuisances: usize = context.sets().iter().map(|s| s.prepared.nuisances.len()).sum();
+    let nuisances: usize = context.recordings().iter().map(|r| r.prepared.nuisances.len()).sum();
     let parameters: usize =
         context.subjects.iter().map(|s| s.simulator.parameters().iter().filter(|p| p.tune).count()).sum();
     let unknowns = nuisances + parameters;
-    let note = if context.sets().is_empty() {
+    let note = if context.recordings().is_empty() {
         Note::new(
             findings::RECORDINGS_NONE,
             "no recording passed the checks",

@@ -23,10 +23,11 @@ impl<'a> Intervals<'a> {
     /// # Errors
     /// Where the simulator refuses.
     pub fn new(context: &Context, model: &'a Hypothesis<'a>, differ: bool) -> Result<Self> {
-        let size = model.structure.globals.len();
+        let size = model.structure.shared.len();
         let variance = context.variance(model);
-        let mut half: Vec<f64> =
-            (0..size).map(|g| NORMAL_95 * (variance * model.fit.covariance[(g, g)].max(0.0)).sqrt()).collect();
+        let mut half: Vec<f64> = (0..size)
+            .map(|column| NORMAL_95 * (variance * model.fit.covariance[(column, column)].max(0.0)).sqrt())
+            .collect();
         let between = if context.evidence.driven() {
             stretch_robust_half_widths(context, model)
         } else if differ {
@@ -46,32 +47,33 @@ impl<'a> Intervals<'a> {
         Ok(Self { model, half, widened: widened && !context.evidence.driven() })
     }
 
-    /// That of shared parameter `g`, within the bounds of what can be simulated.
-    pub fn of(&self, g: usize) -> (f64, f64) {
-        let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.parameters[g]);
-        ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
+    /// That of the shared parameter of this column, within the bounds of what can be simulated.
+    pub fn of(&self, column: usize) -> (f64, f64) {
+        let (p, value) = (&self.model.structure.shared[column].parameter, self.model.fit.point.parameters[column]);
+        ((value - self.half[column]).max(p.min), (value + self.half[column]).min(p.max))
     }
 
     /// The shared parameter of an object, or of all, with this name, and its interval; `None` where the model has none.
     pub fn number(&self, object: Option<usize>, name: &str) -> Option<(f64, (f64, f64))> {
-        let globals = &self.model.structure.globals;
-        let g = globals.iter().position(|global| global.object == object && global.parameter.name == name)?;
-        Some((self.model.fit.point.parameters[g], self.of(g)))
+        let shared = &self.model.structure.shared;
+        let column = shared.iter().position(|shared| shared.object == object && shared.parameter.name == name)?;
+        Some((self.model.fit.point.parameters[column], self.of(column)))
     }
 
-    /// How far the shared parameters `places` together lie from absence, squared, in standard errors as wide as the intervals, and
-    /// correlated as the fit has them (Wald 1943).
-    pub fn squared_distance_from_absence(&self, places: &[usize]) -> f64 {
-        let (globals, covariance) = (&self.model.structure.globals, &self.model.fit.covariance);
+    /// The squared distance of the shared parameters of these `columns` from absence, in standard errors as wide as the intervals
+    /// and correlated as in the fit (Wald 1943).
+    pub fn squared_distance_from_absence(&self, columns: &[usize]) -> f64 {
+        let (shared, covariance) = (&self.model.structure.shared, &self.model.fit.covariance);
         let distance = DVector::from_iterator(
-            places.len(),
-            places.iter().map(|&g| {
-                let absent = globals[g].absent.map_or(0.0, |(value, _)| value);
-                NORMAL_95 * (self.model.fit.point.parameters[g] - absent) / self.half[g].max(f64::MIN_POSITIVE)
+            columns.len(),
+            columns.iter().map(|&column| {
+                let absent = shared[column].absent.map_or(0.0, |(value, _)| value);
+                NORMAL_95 * (self.model.fit.point.parameters[column] - absent)
+                    / self.half[column].max(f64::MIN_POSITIVE)
             }),
         );
-        let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-            let (a, b) = (places[i], places[j]);
+        let correlation = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            let (a, b) = (columns[i], columns[j]);
             let scale = (covariance[(a, a)] * covariance[(b, b)]).sqrt();
             if i == j || scale <= 0.0 { f64::from(i == j) } else { covariance[(a, b)] / scale }
         });

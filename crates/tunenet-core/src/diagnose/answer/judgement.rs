@@ -4,7 +4,7 @@ use crate::Result;
 use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
 use crate::diagnose::answer::verdict::{Decision, decide};
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, rmse};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
@@ -66,7 +66,7 @@ impl<'a> Judgement<'a> {
             before,
             lag1,
             floor,
-            apart,
+            per_recording,
             random_parameter,
             odd,
             ..
@@ -85,7 +85,9 @@ impl<'a> Judgement<'a> {
             after.as_ref().filter(|_| found.best.is_none()).and_then(|held| worst_held_out(&context, &held.residuals));
         // Copies of the motion that was fitted confirm nothing.
         let evidence = &context.evidence;
-        let another = |set: &Set| !evidence.shows_one_motion() || set.motion != evidence.training[0].motion;
+        let another = |recording: &PreparedRecording| {
+            !evidence.shows_one_motion() || recording.motion != evidence.training[0].motion
+        };
         let confirmed = practical.is_none() || evidence.validation.iter().any(another);
         let left = root_mean_square(&context, found.best.as_ref().unwrap_or(&found.base))?;
         let worst = worst.map(|(recording, ratio)| (recording, ratio / (left / floor.sqrt()).max(1.0)));
@@ -100,10 +102,10 @@ impl<'a> Judgement<'a> {
         let noise = floor.sqrt();
         let doubt = validation_doubt(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
         let doubt = doubt.filter(|_| whole);
-        let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
+        let differs = per_recording.map(|fits| Doubt::DiffersBetweenRecordings(fits.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
         let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::DiscrepancyRemains);
-        let doubt = doubt.or(differs).or(random).or(unvaried).filter(|_| !found.places.is_empty());
+        let doubt = doubt.or(differs).or(random).or(unvaried).filter(|_| !found.selected.is_empty());
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();
@@ -152,17 +154,18 @@ impl<'a> Judgement<'a> {
 /// Root mean square of what a hypothesis leaves of the recordings that were fitted, in the channels' unit.
 pub(in crate::diagnose) fn root_mean_square(context: &Context, model: &Hypothesis) -> Result<f64> {
     let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
-    Ok(rmse(context.sets(), &plain, 0.0))
+    Ok(rmse(context.recordings(), &plain, 0.0))
 }
 
 /// Whether recordings of several channels, which no simulation explains down to their noise, all have one setup. Effects that have a number
 /// for each channel then follow what is left of one of them, and nothing that varies shows whether they are what it is.
 fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
-    let setup = |set: &Set| set.prepared.circumstances.as_ref().map(|known| known.setup);
+    let setup = |recording: &PreparedRecording| recording.prepared.circumstances.as_ref().map(|known| known.setup);
     let first = evidence.training.first();
     evidence.discrepancy()
-        && first
-            .is_some_and(|first| first.width() > 1 && evidence.training.iter().all(|set| setup(set) == setup(first)))
+        && first.is_some_and(|first| {
+            first.width() > 1 && evidence.training.iter().all(|recording| setup(recording) == setup(first))
+        })
 }
 
 /// Of recordings that are held out, where effects are expected to be explained down to the noise: the one that leaves most, as its position
@@ -172,11 +175,11 @@ fn worst_held_out(context: &Context, residuals: &[Vec<f64>]) -> Option<(usize, f
     if context.evidence.driven() || context.evidence.discrepancy() {
         return None;
     }
-    let of = |(set, residuals): (&Set, &Vec<f64>)| {
-        let kept = || residuals.iter().enumerate().filter(|(i, _)| set.keep[*i]);
+    let of = |(recording, residuals): (&PreparedRecording, &Vec<f64>)| {
+        let kept = || residuals.iter().enumerate().filter(|(i, _)| recording.keep[*i]);
         let mean_square = kept().map(|(_, r)| r * r).sum::<f64>() / kept().count().max(1) as f64;
-        let channel = |c: usize| mad_sd(kept().filter(|(i, _)| i % set.width() == c).map(|(_, r)| *r));
-        (set.recording, (0..set.width()).map(channel).fold(0.0, f64::max).min(mean_square.sqrt()))
+        let channel = |c: usize| mad_sd(kept().filter(|(i, _)| i % recording.width() == c).map(|(_, r)| *r));
+        (recording.index, (0..recording.width()).map(channel).fold(0.0, f64::max).min(mean_square.sqrt()))
     };
     let all = context.evidence.validation.iter().zip(residuals).map(of);
     all.max_by(|a, b| a.1.total_cmp(&b.1))
@@ -203,12 +206,12 @@ mod tests {
     fn several_channels_in_one_setup_are_doubted() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let mut evidence = Evidence::clone(&context.evidence);
-            for set in &mut evidence.training {
-                set.prepared.discrepancy = true;
+            for recording in &mut evidence.training {
+                recording.prepared.discrepancy = true;
             }
             assert!(!is_one_setup_of_several_channels(&evidence), "a single channel");
-            for set in &mut evidence.training {
-                set.noise.push(1.0);
+            for recording in &mut evidence.training {
+                recording.noise.push(1.0);
             }
             assert!(is_one_setup_of_several_channels(&evidence));
             let other = Circumstances { setup: 1, ..Circumstances::default() };

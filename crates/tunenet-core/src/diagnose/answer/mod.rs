@@ -179,7 +179,7 @@ pub struct PartGap {
 pub struct NextExperiment {
     /// One sentence for users.
     pub text: String,
-    /// Numbers of it by name, for scripts: `release.velocity_x` in m/s.
+    /// Numbers of it by name, for scripts: `start.angle_rad`, `inputs.speed`.
     #[serde(serialize_with = "settings")]
     pub settings: Vec<(String, f64)>,
 }
@@ -254,8 +254,8 @@ pub struct OwnEffect {
     /// The effect's name.
     pub name: Text,
     /// How much the Bayesian information criterion of this object's recordings falls by its own coefficients (from their
-    /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where contacts
-    /// are not understood.
+    /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where events are
+    /// not understood.
     pub bic_gain: Option<f64>,
     /// Whether its recordings show the effect.
     pub shown: bool,

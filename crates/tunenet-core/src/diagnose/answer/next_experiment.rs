@@ -4,7 +4,7 @@ use crate::Result;
 use crate::diagnose::answer::verdict::unique;
 use crate::diagnose::answer::{NextExperiment, driven_experiment};
 use crate::diagnose::evidence::proposed::{Change, Proposed, proposed};
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::confusable_set::exact_twins;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
@@ -28,11 +28,11 @@ pub(in crate::diagnose) fn next(
 ) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
     let (twins, rest) = without_twins(context, found, best, alternatives);
-    let open = found.places.iter().zip(&rest).find(|(_, others)| !others.is_empty());
+    let open = found.selected.iter().zip(&rest).find(|(_, others)| !others.is_empty());
     if let (None, Some(text)) = (open, &twins) {
         return Ok(Some(NextExperiment { text: text.clone(), settings: Vec::new() }));
     }
-    let found = apart(context, found, best, open)?;
+    let found = distinguishing(context, found, best, open)?;
     Ok(found.map(|next| match twins {
         Some(text) => NextExperiment { text: format!("{}; {text}", next.text), ..next },
         None => next,
@@ -49,13 +49,13 @@ fn without_twins(
     let name = |entry: usize| context.catalogue[entry].name.as_ref();
     let mut said = Vec::new();
     let mut rest = Vec::with_capacity(alternatives.len());
-    for (place, others) in found.places.iter().zip(alternatives) {
-        let twins = exact_twins(context, best, place.entry);
+    for (selected, others) in found.selected.iter().zip(alternatives) {
+        let twins = exact_twins(context, best, selected.entry);
         let alike: Vec<&(usize, &Text)> = twins.iter().filter(|(twin, _)| others.contains(twin)).collect();
         if !alike.is_empty() {
             let names: Vec<&str> = alike.iter().map(|(twin, _)| name(*twin)).collect();
             let ways = unique(alike.iter().map(|(_, way)| way.as_ref()).collect());
-            let (own, names, ways) = (name(place.entry), names.join(", "), ways.join(", or "));
+            let (own, names, ways) = (name(selected.entry), names.join(", "), ways.join(", or "));
             said.push(format!("no recording of these channels distinguishes {own} from {names}: {ways}"));
         }
         rest.push(others.iter().copied().filter(|other| alike.iter().all(|(twin, _)| twin != other)).collect());
@@ -65,31 +65,32 @@ fn without_twins(
 
 /// The experiment that separates an effect of `best` from what else could be in its place; without such an effect, the one that
 /// shows more.
-fn apart(
+fn distinguishing(
     context: &Context,
     found: &Selection,
     best: &Hypothesis,
     open: Option<(&SelectedEffect, &Vec<usize>)>,
 ) -> Result<Option<NextExperiment>> {
     let name = |entry: usize| context.catalogue[entry].name.as_ref();
-    let Some((place, others)) = open else {
+    let Some((selected, others)) = open else {
         // Nothing else explains anything: what is in no catalogue is all that could be in its place.
         let words = words(context);
-        let known = unique(found.places.iter().filter_map(|place| (words.knowledge)(name(place.entry))).collect());
+        let known = found.selected.iter().filter_map(|selected| (words.knowledge)(name(selected.entry)));
+        let known = unique(known.collect());
         let text = std::iter::once(words.add).chain(known).collect::<Vec<_>>().join("; or ");
         return Ok(Some(NextExperiment { text, settings: Vec::new() }));
     };
     if context.evidence.driven() {
-        return driven_experiment::next(context, best, place.entry, others).map(Some);
+        return driven_experiment::next(context, best, selected.entry, others).map(Some);
     }
     let designs = designs(context, best)?;
-    let chance = |entry: usize| context.catalogue[entry].chance();
-    let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {
-        // Chance draws every event anew, whatever the motion: what is steady is not, so the more events along a new
-        // direction the better.
+    let is_random = |entry: usize| context.catalogue[entry].is_random_effect();
+    let gaps = if is_random(selected.entry) || others.iter().any(|&other| is_random(other)) {
+        // A random effect has new draws at every event, whatever the motion, and a steady effect does not: the more events along
+        // a new direction, the better.
         designs.iter().map(|design| vec![across(design); others.len()]).collect()
     } else {
-        gaps(context, best, place.entry, others, &designs)?
+        gaps(context, best, selected.entry, others, &designs)?
     };
     // What some motion separates at all; the rest are twins in any of them.
     let separable: Vec<usize> =
@@ -102,18 +103,18 @@ fn apart(
     if let (Some(chosen), false) = (chosen, separable.is_empty()) {
         let how = designs[chosen].change.words();
         settings = designs[chosen].change.settings();
-        let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
+        let distinguished: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
             "{how} and add that recording: it distinguishes {} from {} (expected gain {})",
-            name(place.entry),
-            apart.join(", "),
+            name(selected.entry),
+            distinguished.join(", "),
             gain(2.0 * least(&gaps[chosen]))
         );
     }
     if !twins.is_empty() {
         let words = words(context);
         let known: Vec<&str> =
-            std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
+            std::iter::once(name(selected.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
         let unique = unique(known);
         // Of anything else, what no proposal separates may come apart in recordings that nobody here thinks of.
         if !is_segmented(context) {
@@ -121,7 +122,7 @@ fn apart(
                 let rest = twins.join(", ");
                 format!(
                     "no other input or initial state distinguishes {} from {rest}: do they do the same?",
-                    name(place.entry)
+                    name(selected.entry)
                 )
             });
             let add = alike.is_none().then_some(words.add);
@@ -131,7 +132,8 @@ fn apart(
         }
         let also = if text.is_empty() { "" } else { "; " };
         let rest = twins.join(", ");
-        text = format!("{text}{also}{} {} from {rest}: {}", words.inseparable, name(place.entry), unique.join(", or "));
+        let (own, ways) = (name(selected.entry), unique.join(", or "));
+        text = format!("{text}{also}{} {own} from {rest}: {ways}", words.inseparable);
     }
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
 }
@@ -146,10 +148,10 @@ fn across(design: &Proposed) -> f64 {
 
 /// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.
 fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Proposed>> {
-    let set = &context.sets()[0];
-    let parameters = best.structure.parameters(set.object, &best.fit.point.parameters);
+    let recording = &context.recordings()[0];
+    let parameters = best.structure.parameters(recording.object, &best.fit.point.parameters);
     let point = (parameters.as_slice(), best.fit.point.nuisances[0].as_slice());
-    proposed(set, best.structure.simulator(set.object), point, &context.rollouts)
+    proposed(recording, best.structure.simulator(recording.object), point, &context.rollouts)
 }
 
 /// For each design and each other explanation: the expected difference of logarithmic likelihood, half the square of what
@@ -164,25 +166,25 @@ fn gaps(
 ) -> Result<Vec<Vec<f64>>> {
     let effects: Vec<usize> = best.structure.effects.iter().copied().chain(others.iter().copied()).collect();
     let structure = context.structure(&effects)?;
-    let globals = structure.carry(&best.structure, &best.fit.point.parameters);
-    let columns = |sets: &[Set], nuisances: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
-        let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
-        let point = Point { parameters: globals.clone(), nuisances };
+    let parameters = structure.carry(&best.structure, &best.fit.point.parameters);
+    let columns = |recordings: &[PreparedRecording], nuisances: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
+        let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
+        let point = Point { parameters: parameters.clone(), nuisances };
         let residuals = joint.residuals(&point, 1.0)?;
         let lengths = residuals.iter().map(Vec::len).collect();
         Ok((joint.columns(&point, &residuals, Which::ALL), lengths))
     };
-    let (known, lengths) = columns(context.sets(), best.fit.point.nuisances.clone())?;
+    let (known, lengths) = columns(context.recordings(), best.fit.point.nuisances.clone())?;
     let of = |entry: usize| -> Vec<usize> {
         effects.iter().position(|&e| e == entry).map_or_else(Vec::new, |position| structure.of_effect(position))
     };
     let (mine, rivals) = (of(entry), others.iter().map(|&o| of(o)).collect::<Vec<_>>());
-    let shared = |all: &[Columns], wanted: &dyn Fn(usize) -> bool| -> Vec<Columns> {
+    let kept_columns = |all: &[Columns], wanted: &dyn Fn(usize) -> bool| -> Vec<Columns> {
         all.iter()
             .map(|one| {
-                let kept: Vec<usize> = (0..one.places.len()).filter(|&i| wanted(one.places[i])).collect();
+                let kept: Vec<usize> = (0..one.indices.len()).filter(|&i| wanted(one.indices[i])).collect();
                 Columns {
-                    places: kept.iter().map(|&i| one.places[i]).collect(),
+                    indices: kept.iter().map(|&i| one.indices[i]).collect(),
                     shared: kept.iter().map(|&i| one.shared[i].clone()).collect(),
                     nuisances: one.nuisances.clone(),
                 }
@@ -191,28 +193,28 @@ fn gaps(
     };
     let mut all = Vec::new();
     for design in designs {
-        let start = design.set.prepared.nuisance_values();
-        let Ok((new, new_lengths)) = columns(std::slice::from_ref(&design.set), vec![start]) else {
+        let start = design.recording.prepared.nuisance_values();
+        let Ok((new, new_lengths)) = columns(std::slice::from_ref(&design.recording), vec![start]) else {
             all.push(vec![0.0; others.len()]);
             continue;
         };
         let both: Vec<Columns> = known.iter().cloned().chain(new).collect();
         let lengths: Vec<usize> = lengths.iter().copied().chain(new_lengths).collect();
-        let contested = |place: usize| mine.contains(&place) || rivals.iter().any(|r| r.contains(&place));
-        let base = shared(&both, &|place| !contested(place));
-        let projector = Projector::new(&base, &lengths, structure.globals.len());
-        let projected = |place: usize| {
-            let mut column = stack(&both, &lengths, place);
+        let contested = |index: usize| mine.contains(&index) || rivals.iter().any(|r| r.contains(&index));
+        let base = kept_columns(&both, &|index| !contested(index));
+        let projector = Projector::new(&base, &lengths, structure.shared.len());
+        let projected = |index: usize| {
+            let mut column = stack(&both, &lengths, index);
             projector.project(&mut column);
             column
         };
         let mut effect = vec![0.0; lengths.iter().sum()];
-        for &place in &mine {
-            let size = globals[place] - structure.globals[place].absent.map_or(0.0, |a| a.0);
-            effect.iter_mut().zip(projected(place)).for_each(|(e, c)| *e += size * c);
+        for &index in &mine {
+            let size = parameters[index] - structure.shared[index].absent.map_or(0.0, |a| a.0);
+            effect.iter_mut().zip(projected(index)).for_each(|(e, c)| *e += size * c);
         }
         let each = rivals.iter().map(|rival| {
-            let span = orthonormal(rival.iter().map(|&place| projected(place)).collect());
+            let span = orthonormal(rival.iter().map(|&index| projected(index)).collect());
             let taken: f64 = span.iter().map(|direction| dot(direction, &effect).powi(2)).sum();
             0.5 * (dot(&effect, &effect) - taken).max(0.0)
         });

@@ -8,6 +8,7 @@ use crate::diagnose::evidence::unmeasured::SILENT;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, implausible_reason, out_of_range};
+use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::estimate::UNINFORMATIVE_SHARE;
@@ -82,7 +83,7 @@ fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {
         [] => String::new(),
         settings => format!("check {} in the simulation file", settings.join(" and ")),
     };
-    let rivals = found.places.iter().filter_map(|place| place.excluded.as_ref());
+    let rivals = found.selected.iter().filter_map(|selected| selected.excluded.as_ref());
     let mut said = Vec::new();
     for rival in rivals.chain(excluded_alone(context, found)) {
         if said.contains(&&rival.effect) {
@@ -106,7 +107,7 @@ fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {
 
 /// Where no effect was found: the one that explains most, if a coefficient excludes it.
 fn excluded_alone<'b>(context: &Context, found: &'b Selection) -> Option<&'b OutOfRange> {
-    let fitted = found.alone.iter().filter(|trial| trial.model.is_some());
+    let fitted = found.alone.iter().filter(|candidate| candidate.model.is_some());
     let best = fitted.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
     match &best.excluded {
         Some(Exclusion::Implausible(coefficient)) if found.best.is_none() && best.gain > context.settings.margin => {
@@ -119,15 +120,15 @@ fn excluded_alone<'b>(context: &Context, found: &'b Selection) -> Option<&'b Out
 /// Says which parameters of `model` the recordings do not determine: those on which they do not depend at all, and those
 /// that they do not depend on near the value found, as friction once the body grips.
 fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Vec<Note>) {
-    let silent = |g: &usize| !model.fit.covariance[(*g, *g)].is_finite();
-    for g in (0..model.structure.globals.len()).filter(silent) {
-        let parameter = &model.structure.globals[g].parameter;
-        if model.structure.globals[g].effect.is_some() {
+    let silent = |column: &usize| !model.fit.covariance[(*column, *column)].is_finite();
+    for column in (0..model.structure.shared.len()).filter(silent) {
+        let parameter = &model.structure.shared[column].parameter;
+        if model.structure.shared[column].effect.is_some() {
             continue;
         }
         let remedy = "bring a recording in which it matters";
-        notes.push(if moves_something(context, model, g) {
-            let (name, value) = (&parameter.name, with_decimals(model.fit.point.parameters[g], 3));
+        notes.push(if moves_something(context, model, column) {
+            let (name, value) = (&parameter.name, with_decimals(model.fit.point.parameters[column], 3));
             let text = format!("the recordings do not determine `{name}`: near {value} they do not depend on it");
             Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy)
         } else {
@@ -149,9 +150,10 @@ pub(in crate::diagnose) fn note_undetermined(
     notes: &mut Vec<Note>,
 ) {
     let silent = |one: &Tuned| {
-        let mut globals = model.structure.globals.iter().enumerate();
-        let same = globals.find(|(_, g)| g.object.unwrap_or(0) == one.object && g.parameter.name == one.name);
-        same.is_some_and(|(g, _)| !model.fit.covariance[(g, g)].is_finite())
+        let is_same =
+            |shared: &SharedParameter| shared.object.unwrap_or(0) == one.object && shared.parameter.name == one.name;
+        let same = model.structure.shared.iter().enumerate().find(|(_, shared)| is_same(shared));
+        same.is_some_and(|(column, _)| !model.fit.covariance[(column, column)].is_finite())
     };
     for one in tuned.iter().filter(|one| !silent(one)) {
         let parameters = context.subjects[one.object].simulator.parameters();
@@ -169,12 +171,12 @@ pub(in crate::diagnose) fn note_undetermined(
     }
 }
 
-/// Whether another value of shared parameter `g` within its bounds would change anything that counts.
-fn moves_something(context: &Context<'_>, model: &Hypothesis, g: usize) -> bool {
-    let parameter = &model.structure.globals[g].parameter;
+/// Whether another value of the shared parameter of this column, within its bounds, would change anything that counts.
+fn moves_something(context: &Context<'_>, model: &Hypothesis, column: usize) -> bool {
+    let parameter = &model.structure.shared[column].parameter;
     ACROSS.iter().any(|share| {
         let mut point = model.fit.point.clone();
-        point.parameters[g] = parameter.min + share * parameter.span();
+        point.parameters[column] = parameter.min + share * parameter.span();
         // What cannot be simulated is no less than a change.
         context.joint(&model.structure).residuals(&point, 1.0).map_or(true, |moved| {
             let both = moved.iter().flatten().zip(model.fit.residuals.iter().flatten());
@@ -185,9 +187,9 @@ fn moves_something(context: &Context<'_>, model: &Hypothesis, g: usize) -> bool 
 
 /// Says which effects explain the recordings as well as those found within `margin`, and why they are not offered.
 fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, notes: &mut Vec<Note>) {
-    for place in &found.places {
-        let offered = in_place_of(context, place, margin);
-        let near = place.others.iter().filter(|(other, gap)| *gap < margin && !offered.contains(other));
+    for selected in &found.selected {
+        let offered = in_place_of(context, selected, margin);
+        let near = selected.others.iter().filter(|(other, gap)| *gap < margin && !offered.contains(other));
         for (other, why) in near.filter_map(|(other, _)| Some((*other, implausible_reason(context, *other)?))) {
             let name = &context.catalogue[other].name;
             let text = format!("`{name}` explains these recordings about as well, but {why}");
@@ -203,14 +205,14 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
 /// Notes, for every recording, which share of its samples does not count, and why. A recording that was cut into several is
 /// none of these.
 pub(in crate::diagnose) fn note_excluded(context: &Context, given: &[Recording], uses: &mut [Use]) {
-    let sets = || context.sets().iter().chain(&context.evidence.validation);
-    for set in sets() {
-        let alone = sets().filter(|other| other.recording == set.recording).count() == 1;
-        let (resting, outliers) = (set.resting, set.outliers());
+    let all = || context.recordings().iter().chain(&context.evidence.validation);
+    for recording in all() {
+        let alone = all().filter(|other| other.index == recording.index).count() == 1;
+        let (resting, outliers) = (recording.resting, recording.outliers());
         if alone && resting + outliers > 0 {
-            let left = set.prepared.seen.len();
-            let before = given[set.recording].seen.len().saturating_sub(left + resting);
-            uses[set.recording].notes.push(excluded([before, resting, outliers], left));
+            let left = recording.prepared.seen.len();
+            let before = given[recording.index].seen.len().saturating_sub(left + resting);
+            uses[recording.index].notes.push(excluded([before, resting, outliers], left));
         }
     }
 }
@@ -233,14 +235,14 @@ fn excluded([before, resting, outliers]: [usize; 3], left: usize) -> Note {
 
 /// Notes recordings that are copies of one motion.
 pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>) {
-    let mut recordings: Vec<usize> = context.sets().iter().map(|set| set.recording).collect();
-    recordings.dedup();
-    if recordings.len() > 1 && context.evidence.shows_one_motion() {
+    let mut indices: Vec<usize> = context.recordings().iter().map(|recording| recording.index).collect();
+    indices.dedup();
+    if indices.len() > 1 && context.evidence.shows_one_motion() {
         let words = words(context);
         let text = format!(
             "all {} recordings show the same {motion} and count as one: effects that one {motion} does not distinguish are \
              not distinguished by its repetition",
-            recordings.len(),
+            indices.len(),
             motion = words.motion
         );
         notes.push(Note::new(findings::RECORDINGS_ALIKE, text, words.otherwise));

@@ -1,15 +1,15 @@
 //! Which of the effects each object's own recordings show (Wald test, Wald 1943), the simulations without the others, and the
 //! gap of each object.
 //!
-//! Objects share which effects there are, so that one that shows an effect clearly speaks for those that hardly do. What is
-//! true of all together need not be needed by each: air brakes foam, and rubber falls as it would without.
+//! Objects share which effects there are, so that one that shows an effect clearly speaks for those that hardly do. What is true
+//! of all together need not be needed by each: drag slows a light body visibly, and a heavy one hardly.
 
 use crate::Result;
 use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::judgement::root_mean_square;
 use crate::diagnose::answer::{Change, Explained, OfObject, OwnEffect, PartGap, Verdict};
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
@@ -19,13 +19,13 @@ use crate::observation::common_unit;
 /// The verdict of each object that has recordings to fit, in order; of a single one that of the whole.
 pub(in crate::diagnose) fn by_object(judged: &Judgement, intervals: &Intervals) -> Vec<OfObject> {
     let context = &judged.context;
-    let seen = |object: &usize| context.sets().iter().any(|set| set.object == *object);
+    let seen = |object: &usize| context.recordings().iter().any(|recording| recording.object == *object);
     let objects: Vec<usize> = (0..context.subjects.len()).filter(seen).collect();
     let (whole, alternatives) = (judged.decision.verdict, &judged.decision.alternatives);
     let several = objects.len() > 1;
     let of = |object: usize| {
-        let each = judged.found.places.iter().filter(|_| judged.reports_effects());
-        let effects: Vec<OwnEffect> = each.map(|place| own(judged, intervals, place, object)).collect();
+        let each = judged.found.selected.iter().filter(|_| judged.reports_effects());
+        let effects: Vec<OwnEffect> = each.map(|selected| own(judged, intervals, selected, object)).collect();
         let shown = || effects.iter().zip(alternatives).filter(|(effect, _)| effect.shown);
         // Doubt about the whole that names no other is doubt about each.
         let doubt = whole == Verdict::OneOf && alternatives.iter().all(Vec::is_empty);
@@ -48,18 +48,20 @@ pub(in crate::diagnose) fn by_object(judged: &Judgement, intervals: &Intervals) 
 }
 
 /// One effect in the recordings of one object.
-fn own(judged: &Judgement, intervals: &Intervals, place: &SelectedEffect, object: usize) -> OwnEffect {
+fn own(judged: &Judgement, intervals: &Intervals, selected: &SelectedEffect, object: usize) -> OwnEffect {
     let (context, last) = (&judged.context, judged.last());
-    let position = last.structure.effects.iter().position(|&entry| entry == place.entry);
+    let position = last.structure.effects.iter().position(|&entry| entry == selected.entry);
     let all: Vec<usize> = position.map_or_else(Vec::new, |p| last.structure.of_effect(p));
-    let mine: Vec<usize> = all.into_iter().filter(|&g| last.structure.globals[g].object == Some(object)).collect();
-    let count: usize = context.sets().iter().filter(|set| set.object == object).map(Set::count).sum();
+    let mine: Vec<usize> =
+        all.into_iter().filter(|&column| last.structure.shared[column].object == Some(object)).collect();
+    let recordings = context.recordings().iter().filter(|recording| recording.object == object);
+    let count: usize = recordings.map(PreparedRecording::count).sum();
     let price = mine.len() as f64 * (context.effective_fraction() * count as f64).max(1.0).ln();
-    // What all objects share all of them show; and where contacts are not understood, no whole recording can be weighed.
+    // What all objects share all of them show; and where events are not understood, no whole recording can be weighed.
     let weighed = !mine.is_empty() && !judged.events_open();
     let bic_gain = weighed.then(|| intervals.squared_distance_from_absence(&mine) - price);
     let shown = bic_gain.is_none_or(|gain| gain > context.settings.margin);
-    OwnEffect { name: context.catalogue[place.entry].name.clone(), bic_gain, shown, needed: true }
+    OwnEffect { name: context.catalogue[selected.entry].name.clone(), bic_gain, shown, needed: true }
 }
 
 /// An effect that some objects show is not needed by the others. What none shows by itself all show together, and all need.
@@ -91,8 +93,8 @@ pub(in crate::diagnose) fn without_unneeded<'a>(
 ) -> Result<Option<Spared<'a>>> {
     let (context, last) = (&judged.context, judged.last());
     let unneeded = |one: &OfObject| -> Vec<(usize, usize)> {
-        let each = judged.found.places.iter().zip(&one.effects);
-        each.filter(|(_, effect)| !effect.needed).map(|(place, _)| (place.entry, one.object)).collect()
+        let each = judged.found.selected.iter().zip(&one.effects);
+        each.filter(|(_, effect)| !effect.needed).map(|(selected, _)| (selected.entry, one.object)).collect()
     };
     let spared: Vec<(usize, usize)> = objects.iter().flat_map(unneeded).collect();
     if spared.is_empty() {
@@ -100,7 +102,7 @@ pub(in crate::diagnose) fn without_unneeded<'a>(
     }
     let context = Context { spared: spared.into(), ..context.clone() };
     let model = context.fit_near(&last.structure.effects, last)?;
-    let coefficients = (last.structure.globals.len() - model.structure.globals.len()) as f64;
+    let coefficients = (last.structure.shared.len() - model.structure.shared.len()) as f64;
     let scale = last.scale();
     if context.criterion(model.deviance(scale), last.deviance(scale), coefficients) > context.settings.margin {
         objects.iter_mut().flat_map(|one| &mut one.effects).for_each(|effect| effect.needed = true);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::wording::{Wording, is_segmented, words};
 use crate::observation::Channel;
@@ -44,17 +44,17 @@ impl Arc {
 pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Result<(String, Option<Phase>)> {
     let residuals = context.weighted(model)?;
     let arcs: Vec<Arc> = context
-        .sets()
+        .recordings()
         .iter()
         .zip(&residuals)
-        .flat_map(|(set, residual)| arcs(set, residual, is_segmented(context)))
+        .flat_map(|(recording, residual)| arcs(recording, residual, is_segmented(context)))
         .collect();
     let channels = context.subjects[0].simulator.channels();
     let excess = |channel: usize| -> f64 {
         arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square() - 3.0).sum()
     };
     let Some(worst) = (0..channels.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
-        return Ok(("what is left has no shape that could be described".into(), None));
+        return Ok(("the remaining residual has no recognisable pattern".into(), None));
     };
     let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
     let count = mine.len().max(1) as f64;
@@ -67,7 +67,7 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
         return Ok((of_anything(&mine, axis, bend > 4.0 || line > 4.0, words), None));
     }
     let size = root_mean_square(&mine, |a| a.acceleration);
-    let (place, phase) = if bend > 4.0 || !later {
+    let (shape, phase) = if bend > 4.0 || !later {
         let text = format!(
             "within the {}, as a bend of about {size:.2e} {}/s² along {}",
             words.segment[1], axis.unit, axis.name
@@ -81,7 +81,7 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
         (format!("faster than a {}, as an oscillation or a jitter along {}", words.segment[0], axis.name), None)
     };
     let with = with(&mine, |a| a.acceleration, [words.level, "the speed", words.event_count]);
-    Ok((format!("what is left acts {place}; {with}"), phase))
+    Ok((format!("the residual acts {shape}; {with}"), phase))
 }
 
 /// The same of what has no segments: whether a whole record is off by a constant, by a drift or by a bend, whichever explains most.
@@ -114,7 +114,7 @@ fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool, words: &Wording) -> St
             format!("over the whole of each record, as a bend of about {size:.2e} {unit}/s² of {name}"),
         )
     };
-    format!("what is left acts {shape}; {}", with(arcs, of, ["its size", "how fast things change", words.event_count]))
+    format!("the residual acts {shape}; {}", with(arcs, of, ["its size", "how fast things change", words.event_count]))
 }
 
 /// Root mean square of a quantity of the arcs, each weighed by its samples.
@@ -164,11 +164,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 /// The segments between events, each channel's residual fitted by a parabola. The level is the last channel where the motion
 /// has segments; otherwise each channel has a size of its own.
-fn arcs(set: &Set, residual: &[f64], segmented: bool) -> Vec<Arc> {
-    let (clock, width) = (set.clock(), set.width());
-    let seen = &set.prepared.seen;
+fn arcs(recording: &PreparedRecording, residual: &[f64], segmented: bool) -> Vec<Arc> {
+    let (clock, width) = (recording.clock(), recording.width());
+    let seen = &recording.prepared.seen;
     let mut edges = vec![0];
-    edges.extend(set.events.iter().map(|t| clock.partition_point(|c| c < t)));
+    edges.extend(recording.events.iter().map(|t| clock.partition_point(|c| c < t)));
     edges.push(clock.len());
     let mut all = Vec::new();
     for (number, edge) in edges.windows(2).enumerate() {
@@ -181,7 +181,7 @@ fn arcs(set: &Set, residual: &[f64], segmented: bool) -> Vec<Arc> {
         let travelled: f64 =
             (0..width).map(|c| (seen.row(end - 1)[c] - seen.row(begin)[c]).powi(2)).sum::<f64>().sqrt();
         for channel in 0..width {
-            let kept: Vec<usize> = (begin..end).filter(|&k| set.keep[k * width + channel]).collect();
+            let kept: Vec<usize> = (begin..end).filter(|&k| recording.keep[k * width + channel]).collect();
             if kept.len() < LEAST_SAMPLES {
                 continue;
             }
@@ -199,9 +199,9 @@ fn arcs(set: &Set, residual: &[f64], segmented: bool) -> Vec<Arc> {
             all.push(Arc {
                 channel,
                 number,
-                offset: fit[0] * set.noise[channel],
-                slope: fit[1] / half * set.noise[channel],
-                acceleration: 3.0 * fit[2] / (half * half) * set.noise[channel],
+                offset: fit[0] * recording.noise[channel],
+                slope: fit[1] / half * recording.noise[channel],
+                acceleration: 3.0 * fit[2] / (half * half) * recording.noise[channel],
                 offset_square: fit[0].powi(2) / inverse[(0, 0)],
                 slope_square: fit[1].powi(2) / inverse[(1, 1)],
                 bend_square: fit[2].powi(2) / inverse[(2, 2)],

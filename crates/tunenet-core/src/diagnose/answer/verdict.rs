@@ -12,7 +12,7 @@ use crate::simulator::Text;
 
 /// How many alternatives of an effect are offered at most.
 const MOST_ALTERNATIVES: usize = 5;
-/// How many names stand for the nearest where nothing fits and nothing was added.
+/// How many names are given as the nearest where nothing fits and nothing was added.
 const NEAREST: usize = 2;
 
 /// The verdict, and what it rests on.
@@ -28,18 +28,18 @@ pub(in crate::diagnose) struct Decision {
     pub doubt: Option<Doubt>,
 }
 
-/// The same in the place of one effect. Of one that has to be there in any case it is no question whether it is, only whether
-/// something else does its work: there the usual margin does.
-fn margin_of(context: &Context, place: &SelectedEffect, margin: f64) -> f64 {
-    if is_required(context, place.entry) { margin.min(context.settings.margin) } else { margin }
+/// The margin for what could replace one effect. A required effect exists in any case; the question is only whether something else
+/// explains the same, and the usual margin answers it.
+fn margin_of(context: &Context, selected: &SelectedEffect, margin: f64) -> f64 {
+    if is_required(context, selected.entry) { margin.min(context.settings.margin) } else { margin }
 }
 
-/// What stands within `margin` of an effect of the best structure, or does as well on recordings that were not fitted, less
-/// what is not to be expected where that is.
-pub(in crate::diagnose) fn in_place_of(context: &Context, place: &SelectedEffect, margin: f64) -> Vec<usize> {
-    let margin = margin_of(context, place, margin);
-    let near = place.others.iter().filter(|(other, gap)| *gap < margin || place.equals.contains(other));
-    near.filter(|(other, gap)| !is_less_plausible(context, *other, place.entry, *gap))
+/// What falls behind an effect of the best hypothesis by less than `margin`, or does as well on held-out recordings, less what is
+/// implausible where that effect is plausible.
+pub(in crate::diagnose) fn in_place_of(context: &Context, selected: &SelectedEffect, margin: f64) -> Vec<usize> {
+    let margin = margin_of(context, selected, margin);
+    let near = selected.others.iter().filter(|(other, gap)| *gap < margin || selected.equals.contains(other));
+    near.filter(|(other, gap)| !is_less_plausible(context, *other, selected.entry, *gap))
         .map(|(entry, _)| *entry)
         .collect()
 }
@@ -62,56 +62,58 @@ pub(in crate::diagnose) fn decide(
         if adequate {
             return ended(Verdict::None, Vec::new());
         }
-        let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
-        return ended(Verdict::Unknown, names(&mut near.take(NEAREST).map(|t| t.entry)));
+        let near = found.alone.iter().filter(|c| c.excluded.is_none() && c.gain > 0.0);
+        return ended(Verdict::Unknown, names(&mut near.take(NEAREST).map(|c| c.entry)));
     }
     if !adequate
-        || found.places.iter().any(|p| p.gain < context.settings.margin && !needs_no_evidence(context, p.entry))
+        || found.selected.iter().any(|p| p.gain < context.settings.margin && !needs_no_evidence(context, p.entry))
     {
-        return ended(Verdict::Unknown, names(&mut found.places.iter().map(|p| p.entry)));
+        return ended(Verdict::Unknown, names(&mut found.selected.iter().map(|p| p.entry)));
     }
-    // Chance at contacts can imitate what nothing in the catalogue explains: alone and in doubt, it is no answer.
+    // A random effect of events can imitate what nothing in the catalogue explains: alone and in doubt, it is no answer.
     let imitates = matches!(validation, Some(Doubt::RandomAndWeak | Doubt::DrawsNotRandom));
-    if let ([place], true) = (&found.places[..], imitates)
-        && context.catalogue[place.entry].chance()
-        && in_place_of(context, place, widest).is_empty()
+    if let ([selected], true) = (&found.selected[..], imitates)
+        && context.catalogue[selected.entry].is_random_effect()
+        && in_place_of(context, selected, widest).is_empty()
     {
-        return ended(Verdict::Unknown, names(&mut std::iter::once(place.entry)));
+        return ended(Verdict::Unknown, names(&mut std::iter::once(selected.entry)));
     }
-    let mut alternatives = Vec::with_capacity(found.places.len());
+    let mut alternatives = Vec::with_capacity(found.selected.len());
     let mut near_any = false;
-    for place in &found.places {
-        let mut near = in_place_of(context, place, widest);
+    for selected in &found.selected {
+        let mut near = in_place_of(context, selected, widest);
         // One motion does not distinguish what is in the catalogue from what is not, so the next best is kept with the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue with it.
         let doubtful = match &validation {
-            Some(Doubt::Feigned(..)) => context.catalogue[place.entry].of[0].feigned_by.is_some(),
+            Some(Doubt::Feigned(..)) => context.catalogue[selected.entry].of[0].feigned_by.is_some(),
             Some(_) => true,
-            None => doubtful(context, place, confirmed),
+            None => doubtful(context, selected, confirmed),
         };
         near_any |= !near.is_empty();
         if near.is_empty() && doubtful {
-            near.extend(runner_up(context, found, place));
+            near.extend(runner_up(context, found, selected));
         }
         near.truncate(MOST_ALTERNATIVES);
-        let excluded = place.excluded.iter().map(|rival| &rival.effect);
+        let excluded = selected.excluded.iter().map(|rival| &rival.effect);
+        let is_random = context.catalogue[selected.entry].is_random_effect();
         let differing = match &validation {
-            Some(Doubt::DiffersBetweenRecordings(effects)) if context.catalogue[place.entry].chance() => &effects[..],
+            Some(Doubt::DiffersBetweenRecordings(effects)) if is_random => &effects[..],
             _ => &[],
         };
         let rivals = excluded.chain(differing);
         for rival in rivals.filter_map(|name| context.catalogue.iter().position(|entry| entry.name == *name)) {
-            if !near.contains(&rival) && found.places.iter().all(|p| p.entry != rival) {
+            if !near.contains(&rival) && found.selected.iter().all(|p| p.entry != rival) {
                 near.insert(0, rival);
             }
         }
         alternatives.push(near);
     }
-    let doubt = validation.is_some() || found.places.iter().any(|place| doubtful(context, place, confirmed));
+    let doubt = validation.is_some() || found.selected.iter().any(|selected| doubtful(context, selected, confirmed));
     let open = doubt || alternatives.iter().any(|near| !near.is_empty());
-    let all = found.places.iter().zip(&alternatives);
-    let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
-    let margin = found.places.iter().map(|p| margin_of(context, p, widest)).fold(context.settings.margin, f64::max);
+    let all = found.selected.iter().zip(&alternatives);
+    let names =
+        names(&mut all.flat_map(|(selected, near)| std::iter::once(selected.entry).chain(near.iter().copied())));
+    let margin = found.selected.iter().map(|p| margin_of(context, p, widest)).fold(context.settings.margin, f64::max);
     let doubt = (doubt && (!near_any || validation.is_some())).then(|| {
         validation.unwrap_or_else(|| {
             if context.evidence.shows_one_motion() {
@@ -127,23 +129,26 @@ pub(in crate::diagnose) fn decide(
 /// Whether an effect is not named alone although nothing comes near it: a single motion shows it, or no recording that was not
 /// fitted bears it out. One that has to be there in any case does where it is distinguished from everything else by far, several motions or
 /// objects showing it; of a single motion, where what it leaves is noise.
-fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool {
-    if !is_required(context, place.entry) {
+fn doubtful(context: &Context, selected: &SelectedEffect, confirmed: bool) -> bool {
+    if !is_required(context, selected.entry) {
         return !confirmed || context.evidence.shows_one_motion();
     }
     let near = |(other, gap): &(usize, f64)| {
-        *gap < SINGLE_MOTION_MARGIN * context.settings.margin && !is_less_plausible(context, *other, place.entry, *gap)
+        *gap < SINGLE_MOTION_MARGIN * context.settings.margin
+            && !is_less_plausible(context, *other, selected.entry, *gap)
     };
-    !confirmed && (context.evidence.shows_one_motion() || place.others.iter().any(near))
+    !confirmed && (context.evidence.shows_one_motion() || selected.others.iter().any(near))
 }
 
 /// The next best in the place of an effect, whatever its distance, that explains anything at all.
-fn runner_up(context: &Context, found: &Selection, place: &SelectedEffect) -> Option<usize> {
+fn runner_up(context: &Context, found: &Selection, selected: &SelectedEffect) -> Option<usize> {
     // What falls behind by all that the effect is worth gains nothing.
-    let scored = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
-    let alone = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0).map(|t| t.entry);
-    let named = |entry: usize| found.places.iter().any(|p| p.entry == entry);
-    scored.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry, f64::INFINITY))
+    let scored = selected.others.iter().filter(|(_, gap)| *gap < selected.gain).map(|(entry, _)| *entry);
+    let alone = found.alone.iter().filter(|c| c.excluded.is_none() && c.gain > 0.0).map(|c| c.entry);
+    let named = |entry: usize| found.selected.iter().any(|p| p.entry == entry);
+    scored
+        .chain(alone)
+        .find(|&entry| !named(entry) && !is_less_plausible(context, entry, selected.entry, f64::INFINITY))
 }
 
 /// Each name once, in the order in which they come.

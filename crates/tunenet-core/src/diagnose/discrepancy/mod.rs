@@ -6,7 +6,7 @@
 //! | `scale` | the discrepancy as noise: its size, and how many values count |
 //! | `null` | the simulation without effects, from several starts |
 //! | `score` | candidates by a score test with steps of visible size |
-//! | `stage` | candidates fitted in addition to a hypothesis, and back-substitution |
+//! | `selection_step` | candidates fitted in addition to a hypothesis, and back-substitution |
 //! | `wide_search` | candidates from starts across their bounds, where none is found from where they are absent |
 //! | `selection` | forward selection with a gate of held-out recordings |
 
@@ -14,7 +14,7 @@ mod null;
 mod scale;
 mod score;
 mod selection;
-mod stage;
+mod selection_step;
 mod wide_search;
 
 pub(in crate::diagnose) use null::{better_null, fit_null, lower_null};

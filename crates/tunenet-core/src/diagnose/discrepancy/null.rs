@@ -28,17 +28,17 @@ const BETTER: f64 = 3.0;
 pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothesis<'a>> {
     let structure = context.structure(&[])?;
     let joint = context.joint(&structure);
-    let nuisances: Vec<Vec<f64>> = context.sets().iter().map(|s| s.prepared.nuisance_values()).collect();
+    let nuisances: Vec<Vec<f64>> = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
     let point = |parameters: Vec<f64>| Point { parameters, nuisances: nuisances.clone() };
-    let given = point(structure.globals.iter().map(|g| g.parameter.value).collect());
-    let place = |number: u32| {
-        let each = structure.globals.iter().map(|g| &g.parameter).zip(PRIMES.iter().copied().cycle());
+    let given = point(structure.shared.iter().map(|shared| shared.parameter.value).collect());
+    let nth_start = |number: u32| {
+        let each = structure.shared.iter().map(|shared| &shared.parameter).zip(PRIMES.iter().copied().cycle());
         // The square of a share: sizes of friction and inertia are rarely near the top of their bounds.
         let share = |number, prime| radical_inverse(number, prime).powi(2);
         point(each.map(|(p, prime)| p.min + share(number, prime) * p.span()).collect())
     };
     let mut looked: Vec<(f64, Point)> = (1..=LOOKED_AT)
-        .map(place)
+        .map(nth_start)
         .filter_map(|start| Some((spread(&joint.residuals(&start, 1.0).ok()?), start)))
         .collect();
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -73,13 +73,13 @@ pub(in crate::diagnose) fn better_null<'a>(
 ) -> Result<Option<Hypothesis<'a>>> {
     let structure = context.structure(&[])?;
     let joint = context.joint(&structure);
-    let count = structure.globals.len();
+    let count = structure.shared.len();
     let near = |model: &Hypothesis| Point {
         parameters: model.fit.point.parameters[..count].to_vec(),
         nuisances: base.fit.point.nuisances.clone(),
     };
-    let earning = found.alone.iter().filter(|trial| trial.gain > context.settings.margin);
-    let alone = earning.filter_map(|trial| trial.model.as_ref()).take(STRIPPED);
+    let earning = found.alone.iter().filter(|candidate| candidate.gain > context.settings.margin);
+    let alone = earning.filter_map(|candidate| candidate.model.as_ref()).take(STRIPPED);
     let mut starts: Vec<Point> = found.best.iter().chain(alone).map(near).collect();
     if !starts.is_empty() {
         let early = joint.fit(base.fit.point.clone(), Effort { horizon: BEGINNING, ..BRIEF });
@@ -94,7 +94,7 @@ pub(in crate::diagnose) fn better_null<'a>(
     Ok(Some(Hypothesis { structure, fit }))
 }
 
-/// The simulation as it is, fitted from where `near` stands, where that is a better minimum than `base`.
+/// The simulation as it is, fitted from the values of `near`, if that is a better minimum than `base`.
 ///
 /// # Errors
 /// Where the simulator refuses.

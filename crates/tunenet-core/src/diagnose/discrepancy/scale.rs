@@ -1,7 +1,7 @@
 //! Discrepancy treated as noise: one scale for all recordings, and an effective sample size by the lag-1 correlation (Bartlett 1946).
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, spread};
@@ -31,28 +31,28 @@ pub(in crate::diagnose) fn is_far_above_noise(base: &Hypothesis) -> bool {
 pub(super) fn with_discrepancy(context: &Context, model: &Hypothesis) -> Result<Evidence> {
     let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
     let mut evidence = Evidence::clone(&context.evidence);
-    let channels = evidence.training.first().map_or(0, Set::width);
-    let kept = |set: &Set, values: &[f64], channel: usize| -> Vec<f64> {
-        let places = (channel..values.len()).step_by(set.width()).filter(|&i| set.keep[i]);
-        places.map(|i| values[i]).collect()
+    let channels = evidence.training.first().map_or(0, PreparedRecording::width);
+    let kept = |recording: &PreparedRecording, values: &[f64], channel: usize| -> Vec<f64> {
+        let counted = (channel..values.len()).step_by(recording.width()).filter(|&i| recording.keep[i]);
+        counted.map(|i| values[i]).collect()
     };
     let (mut product, mut square) = (0.0, 0.0);
     for channel in 0..channels {
         let all: Vec<Vec<f64>> =
-            evidence.training.iter().zip(&plain).map(|(set, values)| kept(set, values, channel)).collect();
+            evidence.training.iter().zip(&plain).map(|(recording, values)| kept(recording, values, channel)).collect();
         let size = mad_sd(all.iter().flatten().copied());
         for values in &all {
             let limited: Vec<f64> = values.iter().map(|v| v.clamp(-4.0 * size, 4.0 * size)).collect();
             product += limited.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (size * size).max(f64::MIN_POSITIVE);
             square += limited.iter().map(|v| v * v).sum::<f64>() / (size * size).max(f64::MIN_POSITIVE);
         }
-        for set in evidence.training.iter_mut().chain(&mut evidence.validation) {
-            set.noise[channel] = set.measured_noise[channel].max(size);
+        for recording in evidence.training.iter_mut().chain(&mut evidence.validation) {
+            recording.noise[channel] = recording.measured_noise[channel].max(size);
         }
     }
     let rho = if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 };
-    let worth = |set: &Set| {
-        let clock = set.clock();
+    let worth = |recording: &PreparedRecording| {
+        let clock = recording.clock();
         FEWEST.max((clock[clock.len() - 1] - clock[0]) / INDEPENDENT_S) * channels as f64
     };
     let least = evidence.training.iter().map(worth).sum::<f64>() / evidence.count().max(1) as f64;
@@ -60,7 +60,7 @@ pub(super) fn with_discrepancy(context: &Context, model: &Hypothesis) -> Result<
     Ok(Evidence { noise: NoiseModel::Inflated { effective_fraction }, ..evidence.prewhitened(0.0) })
 }
 
-/// The context in which what `model` leaves is the noise, and the model fitted there from where it stands.
+/// The context in which what `model` leaves is the noise, and the model fitted there from its own values.
 pub(super) fn rescaled<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Result<(Context<'a>, Hypothesis<'a>)> {
     let context = context.with_evidence(with_discrepancy(context, model)?);
     let model = context.fit_near_with(&model.structure.effects, model, FINISH)?;
@@ -80,7 +80,7 @@ mod tests {
             let evidence = with_discrepancy(context, &base).unwrap();
             let NoiseModel::Inflated { effective_fraction } = evidence.noise else { panic!("{:?}", evidence.noise) };
             let sizes: Vec<f64> =
-                evidence.training.iter().chain(&evidence.validation).map(|set| set.noise[0]).collect();
+                evidence.training.iter().chain(&evidence.validation).map(|recording| recording.noise[0]).collect();
             assert!(sizes.iter().all(|size| *size == sizes[0]), "{sizes:?}");
             assert!(effective_fraction < 0.3 && effective_fraction * evidence.count() as f64 >= 20.0 - 1e-9);
             assert!(!is_far_above_noise(&base));

@@ -38,10 +38,10 @@ pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Sc
     let (joint, residuals) = (context.joint(&model.structure), &model.fit.residuals);
     let base = joint.columns(&model.fit.point, residuals, Which::ALL);
     let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
-    let projector = Projector::new(&base, &lengths, model.structure.globals.len());
+    let projector = Projector::new(&base, &lengths, model.structure.shared.len());
     let mut left = residuals.concat();
     projector.project(&mut left);
-    let open = (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].chance());
+    let open = (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].is_random_effect());
     let open: Vec<usize> = open.collect();
     let mut scored: Vec<Scored> = open.par_iter().map(|&entry| one(context, model, entry, &projector, &left)).collect();
     scored.sort_by(|a, b| b.predicted.total_cmp(&a.predicted).then(a.entry.cmp(&b.entry)));
@@ -51,9 +51,9 @@ pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Sc
 /// Whether the slopes at absence of all coefficients that have one are those of parameters: the effect is another name of these.
 fn is_held(joint: &Joint, point: &Point, (model, known): (&Hypothesis, usize), projector: &Projector) -> bool {
     let mut sloped = false;
-    for (k, global) in joint.structure.globals.iter().enumerate().skip(known) {
-        let typical = global.absent.map_or(1.0, |(_, typical)| typical);
-        let (low, high) = (global.parameter.min, global.parameter.max);
+    for (k, shared) in joint.structure.shared.iter().enumerate().skip(known) {
+        let typical = shared.absent.map_or(1.0, |(_, typical)| typical);
+        let (low, high) = (shared.parameter.min, shared.parameter.max);
         let step = if point.parameters[k] + SLIGHT * typical <= high { SLIGHT } else { -SLIGHT } * typical;
         let mut tried = point.clone();
         tried.parameters[k] = (point.parameters[k] + step).clamp(low, high);
@@ -98,7 +98,7 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
         Err(error) => return none(Exclusion::refused(&error)),
     };
     let joint = context.joint(&structure);
-    let known = model.structure.globals.len();
+    let known = model.structure.shared.len();
     let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
     let point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let at_rest: Vec<f64> = point.parameters[known..].to_vec();
@@ -106,16 +106,16 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
         return none(Exclusion::Redundant(done_already(context)));
     }
     let before = model.deviance(model.scale());
-    let coefficients = (structure.globals.len() - known) as f64;
+    let coefficients = (structure.shared.len() - known) as f64;
     let mut best = none(Exclusion::NoInfluence);
     let mut refused = None;
     let (mut moved, mut new) = (false, false);
     for (sign, size) in [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| (sign, size))) {
         let mut start = at_rest.clone();
         let mut columns = Vec::new();
-        for (k, global) in structure.globals.iter().enumerate().skip(known) {
-            let (absent, typical) = global.absent.unwrap_or((0.0, 1.0));
-            let Some(value) = step_to((absent, sign * typical), size, (global.parameter.min, global.parameter.max))
+        for (k, shared) in structure.shared.iter().enumerate().skip(known) {
+            let (absent, typical) = shared.absent.unwrap_or((0.0, 1.0));
+            let Some(value) = step_to((absent, sign * typical), size, (shared.parameter.min, shared.parameter.max))
             else {
                 continue;
             };

@@ -2,7 +2,7 @@
 //! recordings before the next is looked for.
 
 use super::scale::{BRIEF, FINISH, rescaled};
-use super::stage::{Stage, brief_stage, stage};
+use super::selection_step::{DiscrepancyStep, brief_step, selection_step};
 use super::wide_search::widened;
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
@@ -19,8 +19,8 @@ use crate::estimate::information_criterion::p_value;
 const FIRM: f64 = 2.0;
 /// What an effect leaves of held-out recordings, over what is left without it, as a robust sum of squares.
 const ADMITTED: f64 = 0.96;
-/// An effect that leaves more than so many times the noise may stand in a local minimum, from which a wide search leads out where it
-/// leaves less than this share of it.
+/// An effect that leaves more than so many times the noise may be fitted in a local minimum. A wide search leads out of it where it
+/// leaves less than this share of the same.
 const OPEN: f64 = 5.0;
 const BETTER: f64 = 0.9;
 /// Candidates that are fitted in the place of an effect that others follow.
@@ -47,13 +47,13 @@ pub(in crate::diagnose) fn search_gated<'a>(
     base: &Hypothesis<'a>,
     progress: &dyn Fn(Progress),
 ) -> Result<Gated<'a>> {
-    let near = search_from(context, base, stage, progress)?;
+    let near = search_from(context, base, selection_step, progress)?;
     let left = near.left_over(context)?;
     let several = near.found.best.as_ref().is_some_and(|best| best.structure.effects.len() > 1);
     if several || left.is_some_and(|left| left < OPEN) {
         return Ok(near);
     }
-    let wide = search_from(context, base, |context, model| widened(context, stage(context, model)), progress)?;
+    let wide = search_from(context, base, |context, model| widened(context, selection_step(context, model)), progress)?;
     let better = match (left, wide.left_over(context)?) {
         (Some(left), Some(wide)) => wide < BETTER * left,
         (left, _) => left.is_none(),
@@ -72,45 +72,45 @@ impl Gated<'_> {
     }
 }
 
-/// Searches from the tuned simulation `base`, the first effect by the stage that `first` makes.
+/// Searches from the tuned simulation `base`, the first effect by the step that `first` makes.
 fn search_from<'a>(
     context: &Context<'a>,
     base: &Hypothesis<'a>,
-    first: impl Fn(&Context<'a>, Hypothesis<'a>) -> Stage<'a>,
+    first: impl Fn(&Context<'a>, Hypothesis<'a>) -> DiscrepancyStep<'a>,
     progress: &dyn Fn(Progress),
 ) -> Result<Gated<'a>> {
     let (mut context, mut model) = rescaled(context, base)?;
-    let mut stages: Vec<Stage> = Vec::new();
+    let mut steps: Vec<DiscrepancyStep> = Vec::new();
     let mut tests = Vec::new();
     let most = context.settings.most_effects;
     let mut best = None;
     loop {
         let effects = model.structure.effects.len();
         progress(scoring(&context, &model));
-        let found = if effects == 0 { first(&context, model) } else { stage(&context, model) };
+        let found = if effects == 0 { first(&context, model) } else { selection_step(&context, model) };
         let admitted = if effects < most { admitted(&context, &found)? } else { None };
         let Some((next, test)) = admitted else {
-            stages.push(found);
+            steps.push(found);
             break;
         };
         tests.extend(test);
-        let step = rescaled(&context, &next)?;
-        stages.push(found);
-        (context, model) = step;
+        let rescaled = rescaled(&context, &next)?;
+        steps.push(found);
+        (context, model) = rescaled;
         best = Some(model.again(&context)?);
         if effects + 1 == most {
             break;
         }
     }
     let Some(best) = best else {
-        let Stage { model, trials } = stages.remove(0);
-        let found = Selection { alone: trials, ..Selection::tuned(model) };
+        let DiscrepancyStep { model, candidates } = steps.remove(0);
+        let found = Selection { alone: candidates, ..Selection::tuned(model) };
         return Ok(Gated { context, found, tests });
     };
-    let (best, places) = places(&context, best, &mut stages)?;
-    let Stage { model, trials } = stages.remove(0);
+    let (best, selected) = judge_selected(&context, best, &mut steps)?;
+    let DiscrepancyStep { model, candidates } = steps.remove(0);
     let base = context.fit_near_with(&[], &model, FINISH)?;
-    let found = Selection { base, alone: trials, best: Some(best), places };
+    let found = Selection { base, alone: candidates, best: Some(best), selected };
     Ok(Gated { context, found, tests })
 }
 
@@ -119,15 +119,15 @@ fn held_out_cost(held_out: &HeldOut) -> f64 {
     huber_cost(&held_out.residuals, 1.0)
 }
 
-/// The best candidate of a stage that the criterion and held-out recordings admit, with the test that these make.
-fn admitted<'a>(context: &Context<'a>, stage: &Stage<'a>) -> Result<Option<(Hypothesis<'a>, Option<Test>)>> {
+/// The best candidate of a step that the criterion and held-out recordings admit, with the test that these make.
+fn admitted<'a>(context: &Context<'a>, step: &DiscrepancyStep<'a>) -> Result<Option<(Hypothesis<'a>, Option<Test>)>> {
     let least = FIRM * context.settings.margin;
-    let fitted = stage.trials.iter().filter(|trial| trial.excluded.is_none() && trial.gain > least);
+    let fitted = step.candidates.iter().filter(|candidate| candidate.excluded.is_none() && candidate.gain > least);
     let mut before = None;
-    for trial in fitted {
-        let Some(model) = &trial.model else { continue };
+    for candidate in fitted {
+        let Some(model) = &candidate.model else { continue };
         if before.is_none() {
-            before = validate(context, &stage.model)?;
+            before = validate(context, &step.model)?;
         }
         let after = validate(context, model)?;
         let (Some(before), Some(after)) = (&before, &after) else { return Ok(Some((model.again(context)?, None))) };
@@ -141,36 +141,36 @@ fn admitted<'a>(context: &Context<'a>, stage: &Stage<'a>) -> Result<Option<(Hypo
     Ok(None)
 }
 
-/// What each effect of `best` is worth, and what could stand in its place; another structure where one of these is better.
-fn places<'a>(
+/// The gain of each effect of `best`, and what else could be in its place.
+fn judge_selected<'a>(
     context: &Context<'a>,
     best: Hypothesis<'a>,
-    stages: &mut [Stage<'a>],
+    steps: &mut [DiscrepancyStep<'a>],
 ) -> Result<(Hypothesis<'a>, Vec<SelectedEffect>)> {
     let effects = best.structure.effects.clone();
-    let mut places = Vec::with_capacity(effects.len());
+    let mut selected = Vec::with_capacity(effects.len());
     for (position, &entry) in effects.iter().enumerate() {
         let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
         let last = position + 1 == effects.len();
-        let known = stages.iter().position(|stage| last && stage.model.structure.effects == others);
+        let known = steps.iter().position(|step| last && step.model.structure.effects == others);
         let made;
-        let stage = if let Some(known) = known {
-            &stages[known]
+        let step = if let Some(known) = known {
+            &steps[known]
         } else {
             let without = context.fit_near_with(&others, &best, BRIEF)?;
-            made = brief_stage(context, without, RIVALS);
+            made = brief_step(context, without, RIVALS);
             &made
         };
         let scale = best.scale();
-        // Stages before the last are in units of their own; what counts is the distance within each.
-        let without = context.fit_near_with(&others, &stage.model, BRIEF)?;
+        // Steps before the last are in units of their own; what counts is the distance within each.
+        let without = context.fit_near_with(&others, &step.model, BRIEF)?;
         let worth = gain(context, &without, &best, scale);
-        let coefficients = best.structure.globals.len() - without.structure.globals.len();
+        let coefficients = best.structure.shared.len() - without.structure.shared.len();
         let likelihood = context.likelihood(without.deviance(scale), best.deviance(scale));
         let p = p_value(likelihood, coefficients) * context.catalogue.len() as f64;
-        let mut near = in_place(context, &without, (&best, worth), entry, &stage.trials)?;
+        let mut near = in_place(context, &without, (&best, worth), entry, &step.candidates)?;
         near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        places.push(SelectedEffect {
+        selected.push(SelectedEffect {
             entry,
             gain: worth,
             p_value: p.min(1.0),
@@ -179,7 +179,7 @@ fn places<'a>(
             excluded: None,
         });
     }
-    Ok((best, places))
+    Ok((best, selected))
 }
 
 /// Candidates in the place of `entry` with how far they fall behind; only those that were fitted come near.
@@ -188,17 +188,17 @@ fn in_place<'a>(
     without: &Hypothesis<'a>,
     (best, worth): (&Hypothesis<'a>, f64),
     entry: usize,
-    trials: &[CandidateFit<'a>],
+    candidates: &[CandidateFit<'a>],
 ) -> Result<Vec<(usize, f64)>> {
     let scale = best.scale();
     let mut near = Vec::new();
-    let own = trials.iter().find(|trial| trial.entry == entry);
-    let open = trials.iter().filter(|trial| trial.entry != entry && trial.excluded.is_none());
-    let behind = |trial: &&CandidateFit| own.is_none_or(|own| own.gain - trial.gain < context.settings.margin * NEAR);
-    for trial in open.filter(behind).take(RIVALS) {
-        let Some(model) = &trial.model else { continue };
+    let own = candidates.iter().find(|candidate| candidate.entry == entry);
+    let open = candidates.iter().filter(|candidate| candidate.entry != entry && candidate.excluded.is_none());
+    let behind = |one: &&CandidateFit| own.is_none_or(|own| own.gain - one.gain < context.settings.margin * NEAR);
+    for candidate in open.filter(behind).take(RIVALS) {
+        let Some(model) = &candidate.model else { continue };
         let rival = context.fit_near_with(&model.structure.effects, model, BRIEF)?;
-        near.push((trial.entry, worth - gain(context, without, &rival, scale)));
+        near.push((candidate.entry, worth - gain(context, without, &rival, scale)));
     }
     Ok(near)
 }

@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::scale::BRIEF;
-use super::stage::{Stage, finish};
+use super::selection_step::{DiscrepancyStep, finish};
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Point, spread};
-use crate::diagnose::hypothesis::structure::Global;
+use crate::diagnose::hypothesis::structure::SharedParameter;
 
 /// Shares of the recordings that are fitted, one after the other.
 const HORIZONS: [f64; 3] = [0.3, 0.5, 0.75];
@@ -28,58 +28,58 @@ const GOING_ON: usize = 6;
 /// A value of the grid, from which a fit begins.
 #[derive(Clone, Copy)]
 struct GridPoint {
-    /// Position of the candidate among the trials of the stage, and its entry of the catalogue.
-    trial: usize,
+    /// Position of the candidate in its step, and its entry of the catalogue.
+    candidate: usize,
     entry: usize,
-    /// Position among the shared parameters, and the value there.
-    place: usize,
+    /// Column of the shared parameter, and its value.
+    column: usize,
     value: f64,
 }
 
 /// A start after its first fit.
 struct Start<'a> {
-    /// Position among the trials of the stage.
-    trial: usize,
+    /// Position of the candidate in its step.
+    candidate: usize,
     model: Hypothesis<'a>,
     /// The misfit of the whole recordings there.
     whole: f64,
 }
 
-/// The stage with candidates fitted from afar where that is better than from where they are absent.
-pub(super) fn widened<'a>(context: &Context<'a>, mut stage: Stage<'a>) -> Stage<'a> {
-    let model = &stage.model;
-    let open = stage.trials.iter().enumerate().filter(|(_, trial)| trial.excluded.is_none());
-    let of_each = FIRST.derivatives * (model.structure.globals.len() + 1) + FIRST.steps + 2;
-    let affordable = BUDGET / (of_each * context.sets().len()).max(1);
-    let grids = open.flat_map(|(place, trial)| grid_of(context, model, (place, trial.entry)));
+/// The step with candidates fitted from the grid where that is better than from where they are absent.
+pub(super) fn widened<'a>(context: &Context<'a>, mut step: DiscrepancyStep<'a>) -> DiscrepancyStep<'a> {
+    let model = &step.model;
+    let open = step.candidates.iter().enumerate().filter(|(_, candidate)| candidate.excluded.is_none());
+    let of_each = FIRST.derivatives * (model.structure.shared.len() + 1) + FIRST.steps + 2;
+    let affordable = BUDGET / (of_each * context.recordings().len()).max(1);
+    let grids = open.flat_map(|(position, candidate)| grid_of(context, model, (position, candidate.entry)));
     let starts: Vec<GridPoint> = grids.take(affordable).collect();
     let first = starts.par_iter().filter_map(|start| first_fit(context, model, *start));
     let mut first: Vec<Start> = first.collect();
     first.sort_by(|a, b| a.model.fit.cost.total_cmp(&b.model.fit.cost));
     let mut seen = BTreeSet::new();
-    let mut best: Vec<usize> = (0..first.len()).filter(|&place| seen.insert(first[place].trial)).collect();
+    let mut best: Vec<usize> = (0..first.len()).filter(|&start| seen.insert(first[start].candidate)).collect();
     let mut by_whole: Vec<usize> = (0..first.len()).collect();
     by_whole.sort_by(|a, b| first[*a].whole.total_cmp(&first[*b].whole));
     best.extend(by_whole.into_iter().take(GOING_ON));
     best.sort_unstable();
     best.dedup();
     let ends: Vec<(usize, Option<Hypothesis>)> =
-        best.par_iter().map(|&place| (first[place].trial, grown(context, &first[place].model))).collect();
-    for (place, found) in ends {
+        best.par_iter().map(|&start| (first[start].candidate, grown(context, &first[start].model))).collect();
+    for (candidate, found) in ends {
         let Some(found) = found else { continue };
-        let known: &mut CandidateFit = &mut stage.trials[place];
+        let known: &mut CandidateFit = &mut step.candidates[candidate];
         if known.model.as_ref().is_none_or(|known| found.fit.cost < known.fit.cost) {
             known.model = Some(found);
         }
     }
-    finish(context, stage)
+    finish(context, step)
 }
 
 /// Values of a coefficient from a part of its typical size to its bounds, to both sides.
-fn values(global: &Global) -> Vec<f64> {
-    let (absent, typical) = global.absent.unwrap_or((0.0, 1.0));
+fn values(shared: &SharedParameter) -> Vec<f64> {
+    let (absent, typical) = shared.absent.unwrap_or((0.0, 1.0));
     let side = |sign: f64| {
-        let bound = if sign > 0.0 { global.parameter.max } else { global.parameter.min };
+        let bound = if sign > 0.0 { shared.parameter.max } else { shared.parameter.min };
         let reach = (bound - absent) * sign;
         let sizes = std::iter::successors(Some(LEAST * typical), |size| Some(size * RATIO));
         sizes
@@ -90,28 +90,29 @@ fn values(global: &Global) -> Vec<f64> {
     side(1.0).chain(side(-1.0)).collect()
 }
 
-/// The grid of one candidate, the `trial`th of the stage: every coefficient alone.
-fn grid_of(context: &Context, model: &Hypothesis, (trial, entry): (usize, usize)) -> Vec<GridPoint> {
+/// The grid of one candidate, given by its position in its step and its entry of the catalogue: every coefficient alone.
+fn grid_of(context: &Context, model: &Hypothesis, (candidate, entry): (usize, usize)) -> Vec<GridPoint> {
     let Ok(structure) = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()) else {
         return Vec::new();
     };
-    let new = structure.globals.iter().enumerate().skip(model.structure.globals.len());
-    let each = new.filter(|(_, global)| !global.shape);
-    let of = |(place, global)| values(global).into_iter().map(move |value| GridPoint { trial, entry, place, value });
+    let new = structure.shared.iter().enumerate().skip(model.structure.shared.len());
+    let each = new.filter(|(_, shared)| !shared.shape);
+    let of =
+        |(column, shared)| values(shared).into_iter().map(move |value| GridPoint { candidate, entry, column, value });
     each.flat_map(of).collect()
 }
 
 /// The candidate fitted to the first part of the recordings.
 fn first_fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, start: GridPoint) -> Option<Start<'a>> {
-    let GridPoint { trial, entry, place, value } = start;
+    let GridPoint { candidate, entry, column, value } = start;
     let structure = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()).ok()?;
     let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
-    parameters[place] = value;
+    parameters[column] = value;
     let joint = context.joint(&structure);
     let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let fit = joint.fit(start, FIRST).ok()?;
     let whole = spread(&joint.residuals(&fit.point, 1.0).ok()?);
-    Some(Start { trial, model: Hypothesis { structure, fit }, whole })
+    Some(Start { candidate, model: Hypothesis { structure, fit }, whole })
 }
 
 /// A start fitted to more and more of the recordings.
@@ -129,24 +130,24 @@ fn grown<'a>(context: &Context<'a>, from: &Hypothesis<'a>) -> Option<Hypothesis<
 #[cfg(test)]
 mod tests {
     use super::super::null::fit_null;
-    use super::super::stage::stage;
+    use super::super::selection_step::selection_step;
     use super::*;
     use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
     use crate::simulator::Parameter;
 
-    fn global(bounds: (f64, f64), absent: (f64, f64)) -> Global {
+    fn shared(bounds: (f64, f64), absent: (f64, f64)) -> SharedParameter {
         let parameter = Parameter::new("p", "1", absent.0, bounds.0, bounds.1).unwrap();
-        Global { parameter, object: None, effect: Some((0, 0)), absent: Some(absent), shape: false }
+        SharedParameter { parameter, object: None, effect: Some((0, 0)), absent: Some(absent), shape: false }
     }
 
     #[test]
     fn the_grid_goes_from_a_part_of_the_typical_size_to_the_bounds_of_both_sides() {
-        let found = values(&global((0.0, 0.1), (0.0, 0.01)));
+        let found = values(&shared((0.0, 0.1), (0.0, 0.01)));
         assert_eq!(found.len(), 8, "{found:?}");
         assert!(found[0] == LEAST * 0.01 && found.iter().all(|value| *value < 0.1));
-        let found = values(&global((-1e3, 1e3), (0.0, 0.1)));
+        let found = values(&shared((-1e3, 1e3), (0.0, 0.1)));
         assert_eq!((found.len(), found[0], found[MOST_VALUES]), (2 * MOST_VALUES, LEAST * 0.1, -LEAST * 0.1));
-        assert!(values(&global((0.0, 1.0), (1.0, 0.2))).iter().all(|value| *value < 1.0 && *value > 0.0));
+        assert!(values(&shared((0.0, 1.0), (1.0, 0.2))).iter().all(|value| *value < 1.0 && *value > 0.0));
     }
 
     /// A candidate that was not fitted is found from its grid, and one that nothing needs gains nothing.
@@ -154,13 +155,13 @@ mod tests {
     fn what_was_not_fitted_is_found() {
         for (truth, gains) in [(&[(FRICTION, 0.15)][..], true), (&[], false)] {
             in_swings(truth, 3, 0, |context| {
-                let mut before = stage(context, fit_null(context).unwrap());
-                before.trials.iter_mut().for_each(|trial| trial.model = None);
+                let mut before = selection_step(context, fit_null(context).unwrap());
+                before.candidates.iter_mut().for_each(|candidate| candidate.model = None);
                 let found = widened(context, before);
                 let friction = entry(context, "viscous_friction");
-                let trial = found.trials.iter().find(|trial| trial.entry == friction).unwrap();
-                assert_eq!(trial.gain > context.settings.margin, gains, "{}", trial.gain);
-                if let (Some(model), true) = (&trial.model, gains) {
+                let candidate = found.candidates.iter().find(|candidate| candidate.entry == friction).unwrap();
+                assert_eq!(candidate.gain > context.settings.margin, gains, "{}", candidate.gain);
+                if let (Some(model), true) = (&candidate.model, gains) {
                     assert!((model.fit.point.parameters[1] - 0.15).abs() < 0.01, "{:?}", model.fit.point.parameters);
                 }
             });

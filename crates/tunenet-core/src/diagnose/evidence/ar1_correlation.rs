@@ -1,6 +1,6 @@
 //! Lag-1 correlation of autocorrelated (AR(1)) noise, from first differences of residuals.
 
-use super::recording::Set;
+use super::recording::PreparedRecording;
 use crate::statistics::{mad_sd, median};
 
 /// A lag-one correlation below this is not worth whitening ...
@@ -20,12 +20,12 @@ const LARGEST: f64 = 4.0;
 
 /// The same as [`correlation`], from the residuals themselves where they are no longer correlated than noise may be: differences know it
 /// three times less exactly.
-pub(in crate::diagnose) fn whole_correlation(sets: &[Set], residuals: &[Vec<f64>]) -> f64 {
+pub(in crate::diagnose) fn whole_correlation(recordings: &[PreparedRecording], residuals: &[Vec<f64>]) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
-    for (set, residual) in sets.iter().zip(residuals) {
-        let width = set.width();
+    for (recording, residual) in recordings.iter().zip(residuals) {
+        let width = recording.width();
         for channel in 0..width {
-            let kept = (channel..residual.len()).step_by(width).filter(|&i| set.keep[i]);
+            let kept = (channel..residual.len()).step_by(width).filter(|&i| recording.keep[i]);
             let values: Vec<f64> = kept.map(|i| residual[i]).collect();
             let most = LARGEST * mad_sd(values.iter().copied());
             let limited: Vec<f64> = values.iter().map(|v| v.clamp(-most, most)).collect();
@@ -34,23 +34,23 @@ pub(in crate::diagnose) fn whole_correlation(sets: &[Set], residuals: &[Vec<f64>
         }
     }
     let whole = product / square;
-    if whole.is_finite() && whole <= LONGEST_OF_DISCREPANCY { whole } else { correlation(sets, residuals) }
+    if whole.is_finite() && whole <= LONGEST_OF_DISCREPANCY { whole } else { correlation(recordings, residuals) }
 }
 
 /// The lag-one correlation of the noise in `residuals` (units of the noise, not whitened), 0 where it does not matter.
 ///
 /// From first differences, in which a smooth misfit all but cancels: for a first-order autoregressive process their own
 /// lag-one correlation is −(1 − ρ)/2.
-pub(in crate::diagnose) fn correlation(sets: &[Set], residuals: &[Vec<f64>]) -> f64 {
+pub(in crate::diagnose) fn correlation(recordings: &[PreparedRecording], residuals: &[Vec<f64>]) -> f64 {
     let (mut product, mut square, mut count) = (0.0, 0.0, 0_usize);
-    for (set, residual) in sets.iter().zip(residuals) {
-        let (width, clock) = (set.width(), set.clock());
+    for (recording, residual) in recordings.iter().zip(residuals) {
+        let (width, clock) = (recording.width(), recording.clock());
         let usual = median(clock.windows(2).map(|w| w[1] - w[0])).unwrap_or(0.0);
         let next = |k: usize| ((clock[k + 1] - clock[k]) / usual - 1.0).abs() < EVEN;
         for channel in 0..width {
             let at = |k: usize| k * width + channel;
             for k in 0..clock.len().saturating_sub(2) {
-                let kept = set.keep[at(k)] && set.keep[at(k + 1)] && set.keep[at(k + 2)];
+                let kept = recording.keep[at(k)] && recording.keep[at(k + 1)] && recording.keep[at(k + 2)];
                 if kept && next(k) && next(k + 1) {
                     let (first, second) =
                         (residual[at(k + 1)] - residual[at(k)], residual[at(k + 2)] - residual[at(k + 1)]);
@@ -93,15 +93,16 @@ mod tests {
                     })
                     .collect()
             };
-            let short: Vec<Vec<f64>> = context.sets().iter().map(|set| noise(set.keep.len())).collect();
-            let found = whole_correlation(context.sets(), &short);
-            let by_differences = correlation(context.sets(), &short);
+            let short: Vec<Vec<f64>> =
+                context.recordings().iter().map(|recording| noise(recording.keep.len())).collect();
+            let found = whole_correlation(context.recordings(), &short);
+            let by_differences = correlation(context.recordings(), &short);
             assert!((found - 0.7).abs() < 0.12 && found != by_differences, "{found} {by_differences}");
             let slow = short
                 .iter()
                 .map(|one| one.iter().enumerate().map(|(i, v)| v + 20.0 * (0.05 * i as f64).sin()).collect());
             let slow: Vec<Vec<f64>> = slow.collect();
-            assert_eq!(whole_correlation(context.sets(), &slow), correlation(context.sets(), &slow));
+            assert_eq!(whole_correlation(context.recordings(), &slow), correlation(context.recordings(), &slow));
         });
     }
 }

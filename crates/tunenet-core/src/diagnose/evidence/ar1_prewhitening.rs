@@ -1,4 +1,4 @@
-//! Prewhitening of residuals with autocorrelated noise: a first-order autoregressive, AR(1), filter.
+//! Prais–Winsten prewhitening of AR(1) residuals (Prais and Winsten 1954), which keeps the first value of a series; across gaps, too.
 
 use crate::statistics::median;
 

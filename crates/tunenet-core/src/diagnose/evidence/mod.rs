@@ -11,7 +11,7 @@ pub(in crate::diagnose) mod segments;
 pub(in crate::diagnose) mod unmeasured;
 pub(in crate::diagnose) mod validation_split;
 
-use recording::Set;
+use recording::PreparedRecording;
 
 /// How the residuals of the true model are distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,66 +52,66 @@ impl NoiseModel {
 #[derive(Clone)]
 pub(in crate::diagnose) struct Evidence {
     /// The recordings that are fitted.
-    pub training: Vec<Set>,
+    pub training: Vec<PreparedRecording>,
     /// The recordings that are held out to judge by.
-    pub validation: Vec<Set>,
+    pub validation: Vec<PreparedRecording>,
     pub noise: NoiseModel,
 }
 
 impl Evidence {
     /// Splits prepared recordings into those to fit and those held out, their noise taken for white.
-    pub fn new(recordings: Vec<Set>) -> Self {
+    pub fn new(recordings: Vec<PreparedRecording>) -> Self {
         let (validation, training) = recordings.into_iter().partition(|r| r.held_out);
         Self { training, validation, noise: NoiseModel::White }
     }
 
     /// The same with residuals prewhitened by this lag-1 correlation; 0 is white noise.
     pub fn prewhitened(mut self, rho: f64) -> Self {
-        self.training.iter_mut().chain(&mut self.validation).for_each(|set| set.prewhiten(rho));
+        self.training.iter_mut().chain(&mut self.validation).for_each(|recording| recording.prewhiten(rho));
         self.noise = if rho == 0.0 { NoiseModel::White } else { NoiseModel::Ar1 { rho } };
         self
     }
 
     /// How many values are fitted.
     pub fn count(&self) -> usize {
-        self.training.iter().map(Set::count).sum()
+        self.training.iter().map(PreparedRecording::count).sum()
     }
 
     /// Whether measured inputs drive all that is fitted, so that no start state of it is unknown.
     pub fn driven(&self) -> bool {
-        !self.training.is_empty() && self.training.iter().all(Set::driven)
+        !self.training.is_empty() && self.training.iter().all(PreparedRecording::driven)
     }
 
     /// Whether no recording is expected to be explained down to its noise.
     pub fn discrepancy(&self) -> bool {
-        !self.training.is_empty() && self.training.iter().all(|set| set.prepared.discrepancy)
+        !self.training.is_empty() && self.training.iter().all(|recording| recording.prepared.discrepancy)
     }
 
     /// Whether all that is fitted shows one motion, however often. A driven recording is many: its input visits what a start
     /// state would have to choose.
     pub fn shows_one_motion(&self) -> bool {
-        self.training.iter().all(|set| !set.driven() && set.motion == self.training[0].motion)
+        self.training.iter().all(|recording| !recording.driven() && recording.motion == self.training[0].motion)
     }
 
     /// Whether no object shows a second motion, against which the values of its nuisance parameters could be held.
     pub fn shows_one_motion_per_object(&self) -> bool {
-        let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.motion == b.motion);
-        self.training.iter().all(|set| !set.driven() && one(set))
+        let one = |a: &PreparedRecording| self.training.iter().all(|b| a.object != b.object || a.motion == b.motion);
+        self.training.iter().all(|recording| !recording.driven() && one(recording))
     }
 }
 
 /// Root mean square of plain residuals from the share `from` of each recording on, a sample of several channels counted
 /// once, or where units differ of residuals over the noise of their channels; what is set aside does not count.
-pub(in crate::diagnose) fn rmse(sets: &[Set], plain: &[Vec<f64>], from: f64) -> f64 {
+pub(in crate::diagnose) fn rmse(recordings: &[PreparedRecording], plain: &[Vec<f64>], from: f64) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
-    for (set, values) in sets.iter().zip(plain) {
+    for (recording, values) in recordings.iter().zip(plain) {
         let begin = from * values.len() as f64;
-        let (yardsticks, width) = (set.yardsticks(), set.width());
-        let kept = values.iter().enumerate().filter(|(i, _)| set.keep[*i] && *i as f64 >= begin);
+        let (yardsticks, width) = (recording.yardsticks(), recording.width());
+        let kept = values.iter().enumerate().filter(|(i, _)| recording.keep[*i] && *i as f64 >= begin);
         let square = |i: usize, v: f64| (v / yardsticks[i % width]).powi(2);
         let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (i, v)| (sum + square(i, *v), count + 1.0));
         squares += sum;
-        samples += count / set.values_per_sample();
+        samples += count / recording.values_per_sample();
     }
     if samples > 0.0 { (squares / samples).sqrt() } else { 0.0 }
 }

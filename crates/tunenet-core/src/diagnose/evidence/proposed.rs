@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::estimate::RolloutLog;
 use crate::observation::{Circumstances, Input, Observation};
 use crate::simulator::{Parameter, Prepared, ProposedStart, STATE, Simulator, predict};
@@ -58,53 +58,53 @@ impl Change {
 
 /// A recording that could be made, as a model predicts it.
 pub(in crate::diagnose) struct Proposed {
-    pub set: Set,
+    pub recording: PreparedRecording,
     pub change: Change,
 }
 
-/// Recordings that could be made after `set`, as `simulator` predicts them with these values; `set` lends clock and noise. None where
-/// there is neither a start nor an input nor an initial state to choose.
+/// Recordings that could be made after `recording`, as `simulator` predicts them with these values; clock and noise are those of
+/// `recording`. None where there is neither a start nor an input nor an initial state to choose.
 pub(in crate::diagnose) fn proposed(
-    set: &Set,
+    recording: &PreparedRecording,
     simulator: &dyn Simulator,
     (parameters, nuisances): (&[f64], &[f64]),
     rollouts: &RolloutLog,
 ) -> Result<Vec<Proposed>> {
     let mut all = Vec::new();
     for (change, circumstances, start) in
-        starts(set, simulator, nuisances).into_iter().chain(circumstances(set, nuisances)?)
+        starts(recording, simulator, nuisances).into_iter().chain(circumstances(recording, nuisances)?)
     {
-        let prepared = Prepared { circumstances, ..set.prepared.clone() };
+        let prepared = Prepared { circumstances, ..recording.prepared.clone() };
         rollouts.spend()?;
         // What cannot be simulated is no proposal.
-        let Ok(values) = predict(simulator, &prepared, parameters, &start, set.clock()) else { continue };
-        let mut whole = Prepared::whole(set.prepared.seen.with_values(values)?, parameters.len());
+        let Ok(values) = predict(simulator, &prepared, parameters, &start, recording.clock()) else { continue };
+        let mut whole = Prepared::whole(recording.prepared.seen.with_values(values)?, parameters.len());
         whole.circumstances = prepared.circumstances;
         let free = |(p, value): (&Parameter, &f64)| {
             let reach = p.span().max(2.0 * (value - p.value).abs());
             Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
         };
-        whole.nuisances = set.prepared.nuisances.iter().zip(&start).map(free).collect();
-        all.push(Proposed { set: alike(set, whole), change });
+        whole.nuisances = recording.prepared.nuisances.iter().zip(&start).map(free).collect();
+        all.push(Proposed { recording: alike(recording, whole), change });
     }
     Ok(all)
 }
 
-/// A proposed recording with clock, noise and unmeasured axes of `set`.
-fn alike(set: &Set, prepared: Prepared) -> Set {
-    let unmeasured = set.unmeasured();
+/// A proposed recording with clock, noise and unmeasured axes of `recording`.
+fn alike(recording: &PreparedRecording, prepared: Prepared) -> PreparedRecording {
+    let unmeasured = recording.unmeasured();
     let values = prepared.seen.values().len();
-    let keep: Vec<bool> = (0..values).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
-    let filter = Filter::new(prepared.seen.clock(), &set.noise, &keep, 0.0);
-    Set {
-        recording: 0,
-        object: set.object,
+    let keep: Vec<bool> = (0..values).map(|i| !unmeasured.contains(&(i % recording.width()))).collect();
+    let filter = Filter::new(prepared.seen.clock(), &recording.noise, &keep, 0.0);
+    PreparedRecording {
+        index: 0,
+        object: recording.object,
         motion: 0,
         held_out: false,
-        prior_sd: set.prior_sd.clone(),
+        prior_sd: recording.prior_sd.clone(),
         prepared,
-        noise: set.noise.clone(),
-        measured_noise: set.measured_noise.clone(),
+        noise: recording.noise.clone(),
+        measured_noise: recording.measured_noise.clone(),
         keep,
         resting: 0,
         filter,
@@ -118,18 +118,18 @@ fn alike(set: &Set, prepared: Prepared) -> Set {
 type Start = (Change, Option<Arc<Circumstances>>, Vec<f64>);
 
 /// Other starts, where the simulator proposes any.
-fn starts(set: &Set, simulator: &dyn Simulator, nuisances: &[f64]) -> Vec<Start> {
+fn starts(recording: &PreparedRecording, simulator: &dyn Simulator, nuisances: &[f64]) -> Vec<Start> {
     let Some(segmented) = simulator.segmented() else { return Vec::new() };
-    let proposed = segmented.proposed_starts(&set.prepared, nuisances, &set.unmeasured()).into_iter();
+    let proposed = segmented.proposed_starts(&recording.prepared, nuisances, &recording.unmeasured()).into_iter();
     let start = |ProposedStart { text, settings, nuisances, tangential_m_s }| {
-        (Change::Proposed { text, settings, tangential_m_s }, set.prepared.circumstances.clone(), nuisances)
+        (Change::Proposed { text, settings, tangential_m_s }, recording.prepared.circumstances.clone(), nuisances)
     };
     proposed.map(start).collect()
 }
 
 /// Other inputs, and other values of initial states that are estimated.
-fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
-    let Some(known) = &set.prepared.circumstances else { return Ok(Vec::new()) };
+fn circumstances(recording: &PreparedRecording, nuisances: &[f64]) -> Result<Vec<Start>> {
+    let Some(known) = &recording.prepared.circumstances else { return Ok(Vec::new()) };
     let mut all = Vec::new();
     let same = || nuisances.to_vec();
     for (number, input) in known.inputs.iter().enumerate() {
@@ -160,11 +160,11 @@ fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
         let made = Circumstances { inputs: played.collect::<Result<_>>()?, ..Circumstances::clone(known) };
         all.push((Change::Speed(*factor), Some(Arc::new(made)), same()));
     }
-    for (i, state) in set.prepared.nuisances.iter().enumerate() {
+    for (i, state) in recording.prepared.nuisances.iter().enumerate() {
         let Some(name) = state.name.strip_prefix(STATE) else { continue };
         for shift in SHIFTS {
             let mut start = same();
-            start[i] = state.value + shift * reach(set, name, state);
+            start[i] = state.value + shift * reach(recording, name, state);
             let change = Change::Start { state: name.to_owned(), value: start[i], unit: state.unit.clone() };
             all.push((change, Some(Arc::clone(known)), start));
         }
@@ -173,8 +173,8 @@ fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
 }
 
 /// How far a state may start from its value: half the range of the channel that shows it, or half of its bounds.
-fn reach(set: &Set, name: &str, state: &Parameter) -> f64 {
-    let seen = &set.prepared.seen;
+fn reach(recording: &PreparedRecording, name: &str, state: &Parameter) -> f64 {
+    let seen = &recording.prepared.seen;
     let shown = seen.channels().iter().position(|channel| channel.name == name);
     shown.map_or(0.5 * state.span(), |channel| {
         let (low, high) =
@@ -202,11 +202,11 @@ mod tests {
         let seen = Observation::new(Kind::Other, vec![Channel::new("x", "m")], times, vec![1.0, 3.0, -3.0, 2.0]);
         let seen = seen.unwrap().under(Arc::new(Circumstances::driven_by(vec![input.unwrap()])));
         let Preparation::Usable(prepared) = follower.prepare(&seen).unwrap() else { panic!("usable") };
-        let set = Set::new(0, 0, false, *prepared);
-        let all = proposed(&set, &follower, (&[], &[1.0]), &RolloutLog::default()).unwrap();
+        let recording = PreparedRecording::new(0, 0, false, *prepared);
+        let all = proposed(&recording, &follower, (&[], &[1.0]), &RolloutLog::default()).unwrap();
         let of = |text: &str| {
             let found = all.iter().find(|one| one.change.words().ends_with(text));
-            found.unwrap_or_else(|| panic!("{text}")).set.prepared.seen.values().to_vec()
+            found.unwrap_or_else(|| panic!("{text}")).recording.prepared.seen.values().to_vec()
         };
         assert_eq!(of("2 times the values of u_v"), [1.0, 5.0, -7.0, 3.0]);
         assert_eq!(of("u_v reversed"), [1.0, -1.0, 5.0, 0.0]);

@@ -20,7 +20,7 @@ const UNEVEN: f64 = 0.2;
 #[derive(Clone)]
 pub struct PreparedRecording {
     /// Its position among the recordings given.
-    pub(in crate::diagnose) recording: usize,
+    pub(in crate::diagnose) index: usize,
     pub(in crate::diagnose) object: usize,
     /// The first recording that shows the same motion, often itself.
     pub(in crate::diagnose) motion: usize,
@@ -48,14 +48,12 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) random_parameter: Option<usize>,
 }
 
-pub(in crate::diagnose) type Set = PreparedRecording;
-
 /// What a [strategy](crate::diagnose::Strategy) sees of a recording, and what it makes of it.
 impl PreparedRecording {
     /// Its position among the recordings given.
     #[must_use]
     pub fn recording(&self) -> usize {
-        self.recording
+        self.index
     }
 
     /// The position of its object among the subjects.
@@ -86,7 +84,7 @@ impl PreparedRecording {
     /// object and motion, and is held out where this one is; noise and events are those of `prepared`.
     #[must_use]
     pub fn remade(&self, prepared: Prepared) -> Self {
-        Self { motion: self.motion, ..Self::new(self.recording, self.object, self.held_out, prepared) }
+        Self { motion: self.motion, ..Self::new(self.index, self.object, self.held_out, prepared) }
     }
 
     /// The same with these instants of its events, s.
@@ -108,7 +106,7 @@ impl PreparedRecording {
 }
 
 impl PreparedRecording {
-    pub(in crate::diagnose) fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
+    pub(in crate::diagnose) fn new(index: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
         let segmentation = prepared.segmentation.clone();
         let all = prepared.seen.len();
         if let Some(known) = &segmentation
@@ -130,9 +128,9 @@ impl PreparedRecording {
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
         let prior_sd = (0..prepared.nuisances.len()).map(|i| prepared.prior_sd(i)).collect();
         Self {
-            recording,
+            index,
             object,
-            motion: recording,
+            motion: index,
             held_out,
             prepared,
             prior_sd,

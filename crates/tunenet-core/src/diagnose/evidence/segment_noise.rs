@@ -34,8 +34,8 @@ fn raise_noise(segment: &mut PreparedRecording) {
     for channel in 0..width {
         let kept: Vec<usize> = (0..scaled.len()).filter(|k| segment.keep[k * width + channel]).collect();
         let values: Vec<f64> = kept.iter().map(|&k| segment.prepared.seen.row(k)[channel]).collect();
-        let places: Vec<f64> = kept.iter().map(|&k| scaled[k]).collect();
-        if let Some(sd) = astray(&places, &values) {
+        let instants: Vec<f64> = kept.iter().map(|&k| scaled[k]).collect();
+        if let Some(sd) = astray(&instants, &values) {
             segment.noise[channel] = segment.noise[channel].max(sd);
         }
     }
@@ -43,17 +43,17 @@ fn raise_noise(segment: &mut PreparedRecording) {
     segment.prewhiten(0.0);
 }
 
-/// The standard deviation of `values` from their best cubic in `places`, robust to outliers; `None` for too few.
-fn astray(places: &[f64], values: &[f64]) -> Option<f64> {
+/// The standard deviation of `values` from their best cubic in `instants`, robust to outliers; `None` for too few.
+fn astray(instants: &[f64], values: &[f64]) -> Option<f64> {
     if values.len() < TERMS * SAMPLES_EACH {
         return None;
     }
-    let basis = DMatrix::from_fn(places.len(), TERMS, |i, j| places[i].powi(i32::try_from(j).unwrap_or(0)));
+    let basis = DMatrix::from_fn(instants.len(), TERMS, |i, j| instants[i].powi(i32::try_from(j).unwrap_or(0)));
     let seen = DVector::from_column_slice(values);
     let mut weights = DVector::from_element(values.len(), 1.0);
     let mut left = seen.clone();
     for _ in 0..ROUNDS {
-        let weighted = DMatrix::from_fn(places.len(), TERMS, |i, j| weights[i] * basis[(i, j)]);
+        let weighted = DMatrix::from_fn(instants.len(), TERMS, |i, j| weights[i] * basis[(i, j)]);
         let fit = (weighted.transpose() * &basis).try_inverse()? * (weighted.transpose() * &seen);
         left = &seen - &basis * fit;
         let spread = CHANGES_OVER * mad_sd(left.iter().copied());
@@ -75,16 +75,16 @@ mod tests {
     fn noise_that_lasts_is_seen_whole_and_motion_is_not() {
         let mut draw = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         let white: Vec<f64> = (0..302).map(|_| 0.002 * draw.sample::<f64, _>(rand_distr::StandardNormal)).collect();
-        let places: Vec<f64> = (0..300).map(|i| f64::from(i) / 150.0 - 1.0).collect();
+        let instants: Vec<f64> = (0..300).map(|i| f64::from(i) / 150.0 - 1.0).collect();
         let lasting = |i: usize| white[i..i + 3].iter().sum::<f64>() / 3f64.sqrt();
         let mut values: Vec<f64> =
-            places.iter().enumerate().map(|(i, x)| x * x - 0.3 * x.powi(3) + lasting(i)).collect();
-        let sd = astray(&places, &values).unwrap();
+            instants.iter().enumerate().map(|(i, x)| x * x - 0.3 * x.powi(3) + lasting(i)).collect();
+        let sd = astray(&instants, &values).unwrap();
         assert!((sd / 0.002 - 1.0).abs() < 0.15, "{sd}");
         values[40] += 1.0;
-        let with_outlier = astray(&places, &values).unwrap();
+        let with_outlier = astray(&instants, &values).unwrap();
         // By its square it would raise the spread to 58 mm.
         assert!(with_outlier < 2.5 * sd, "{with_outlier} {sd}");
-        assert!(astray(&places[..15], &values[..15]).is_none());
+        assert!(astray(&instants[..15], &values[..15]).is_none());
     }
 }

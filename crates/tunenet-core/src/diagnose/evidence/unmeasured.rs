@@ -1,6 +1,6 @@
 //! Channels that were not measured, and nuisance parameters that only they would show.
 
-use super::recording::Set;
+use super::recording::PreparedRecording;
 use crate::statistics::dot;
 
 /// A nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
@@ -8,7 +8,7 @@ pub(in crate::diagnose) const SILENT: f64 = 0.01;
 /// ... by a prior with this share of its range as standard deviation.
 const HELD_SHARE: f64 = 1e-6;
 
-impl Set {
+impl PreparedRecording {
     /// Channels of which nothing counts.
     pub(in crate::diagnose) fn unmeasured(&self) -> Vec<usize> {
         let width = self.width();
@@ -39,13 +39,13 @@ mod tests {
     use crate::observation::Observation;
     use crate::simulator::{Parameter, Prepared};
 
-    fn seen_along_x_and_z() -> Set {
+    fn seen_along_x_and_z() -> PreparedRecording {
         let clock: Vec<f64> = (0..30).map(|k| f64::from(k) * 0.02).collect();
         let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
         let mut prepared = Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1);
         let nuisance = |name: &str| Parameter::new(name, "m/s", 1.0, -4.0, 4.0).unwrap();
-        prepared.nuisances = vec![nuisance("release.velocity_x"), nuisance("release.velocity_y")];
-        Set::new(0, 0, false, prepared)
+        prepared.nuisances = vec![nuisance("initial.velocity_x"), nuisance("initial.velocity_y")];
+        PreparedRecording::new(0, 0, false, prepared)
     }
 
     #[test]
@@ -56,10 +56,10 @@ mod tests {
     /// What moves the recording stays as free as it was, what moves nothing is held at its guess.
     #[test]
     fn only_what_moves_nothing_is_held() {
-        let mut set = seen_along_x_and_z();
-        let before = set.prior_sd.clone();
-        set.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
-        assert_eq!(set.prior_sd[0], before[0]);
-        assert!(set.prior_sd[1] < 1e-4 * before[1], "{:?}", set.prior_sd);
+        let mut recording = seen_along_x_and_z();
+        let before = recording.prior_sd.clone();
+        recording.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
+        assert_eq!(recording.prior_sd[0], before[0]);
+        assert!(recording.prior_sd[1] < 1e-4 * before[1], "{:?}", recording.prior_sd);
     }
 }

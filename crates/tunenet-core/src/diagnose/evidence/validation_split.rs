@@ -1,6 +1,6 @@
 //! Validation split: which recordings, or which end of a driven one, are held out.
 
-use super::recording::Set;
+use super::recording::PreparedRecording;
 use crate::Result;
 use crate::observation::FEWEST_SAMPLES;
 use crate::simulator::Prepared;
@@ -14,19 +14,19 @@ const ONE_OF: usize = 4;
 ///
 /// # Errors
 /// Never where the recording is sound.
-pub(in crate::diagnose) fn hold_end_out(set: &mut Set) -> Result<Option<Set>> {
-    let count = set.prepared.seen.len();
+pub(in crate::diagnose) fn hold_end_out(recording: &mut PreparedRecording) -> Result<Option<PreparedRecording>> {
+    let count = recording.prepared.seen.len();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
     let cut = (count as f64 * FITTED) as usize;
     if cut < FEWEST_SAMPLES || count - cut < FEWEST_SAMPLES {
         return Ok(None);
     }
-    let part = |range, held_out| -> Result<Set> {
-        let prepared = Prepared { seen: set.prepared.seen.slice(range)?, ..set.prepared.clone() };
-        Ok(Set::new(set.recording, set.object, held_out, prepared))
+    let part = |range, held_out| -> Result<PreparedRecording> {
+        let prepared = Prepared { seen: recording.prepared.seen.slice(range)?, ..recording.prepared.clone() };
+        Ok(PreparedRecording::new(recording.index, recording.object, held_out, prepared))
     };
     let end = part(cut..count, true)?;
-    *set = part(0..cut, false)?;
+    *recording = part(0..cut, false)?;
     Ok(Some(end))
 }
 
@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn of_a_driven_recording_the_last_third_is_held_out() {
         in_levers(&Levers::new().unwrap(), &[], |context| {
-            let (fitted, held_out) = (context.sets()[0].clock(), context.evidence.validation[0].clock());
+            let (fitted, held_out) = (context.recordings()[0].clock(), context.evidence.validation[0].clock());
             assert_eq!((fitted.len(), held_out.len()), (400, 200));
             assert!(fitted[399] < held_out[0] && !context.evidence.shows_one_motion());
         });

@@ -48,11 +48,11 @@ const LAST_STEP: f64 = 0.02;
 /// Bounds of a shape whose ratio is larger are covered evenly in its logarithm.
 const WIDE: f64 = 10.0;
 
-/// One candidate at one stage.
+/// One candidate of a selection step.
 pub(in crate::diagnose) struct CandidateFit<'a> {
     /// Its position in the catalogue.
     pub entry: usize,
-    /// Gain of the information criterion over the model of this stage: of the joint fit, or as predicted.
+    /// Gain of the information criterion over the hypothesis of this step: of the joint fit, or as predicted.
     pub gain: f64,
     /// The same by the linear prediction.
     pub predicted: f64,
@@ -99,18 +99,18 @@ pub(in crate::diagnose) fn score_candidates<'a>(
     let joint = context.joint(&model.structure);
     let (point, residuals) = (&model.fit.point, &model.fit.residuals);
     let base = joint.columns(point, residuals, Which::ALL);
-    let candidates: Vec<usize> =
-        (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].chance()).collect();
+    let entries: Vec<usize> =
+        (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].is_random_effect()).collect();
     let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
-    let projector = Projector::new(&base, &lengths, model.structure.globals.len());
+    let projector = Projector::new(&base, &lengths, model.structure.shared.len());
     let mut left: Vec<f64> = residuals.concat();
     projector.project(&mut left);
     let scored: Vec<Scored> =
-        candidates.par_iter().map(|&entry| score(context, entry, model, &projector, &left)).collect();
-    let mut trials: Vec<CandidateFit> = scored
+        entries.par_iter().map(|&entry| score(context, entry, model, &projector, &left)).collect();
+    let mut candidates: Vec<CandidateFit> = scored
         .par_iter()
         .map(|one| {
-            let mut trial = CandidateFit {
+            let mut candidate = CandidateFit {
                 entry: one.entry,
                 gain: one.predicted,
                 predicted: one.predicted,
@@ -118,21 +118,21 @@ pub(in crate::diagnose) fn score_candidates<'a>(
                 excluded: one.excluded.clone(),
                 span: one.span.clone(),
             };
-            if trial.excluded.is_none() && one.predicted > 0.0 {
+            if candidate.excluded.is_none() && one.predicted > 0.0 {
                 match (Extension { model, base: &base, scored: one }).fit(context, ONE_STEP) {
                     Ok(fitted) => {
-                        trial.gain = gain(context, model, &fitted, model.scale());
-                        trial.model = Some(fitted);
+                        candidate.gain = gain(context, model, &fitted, model.scale());
+                        candidate.model = Some(fitted);
                     }
-                    Err(error) => trial.excluded = Some(Exclusion::refused(&error)),
+                    Err(error) => candidate.excluded = Some(Exclusion::refused(&error)),
                 }
             }
-            trial
+            candidate
         })
         .collect();
-    fit_best(context, &mut trials, |i| Extension { model, base: &base, scored: &scored[i] });
-    trials.sort_by(CandidateFit::order);
-    trials
+    fit_best(context, &mut candidates, |i| Extension { model, base: &base, scored: &scored[i] });
+    candidates.sort_by(CandidateFit::order);
+    candidates
 }
 
 fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Projector, left: &[f64]) -> Scored {
@@ -152,15 +152,15 @@ fn try_score(
     projector: &Projector,
     left: &[f64],
 ) -> Result<()> {
-    let known = model.structure.globals.len();
+    let known = model.structure.shared.len();
     if model.structure.repeats(&context.catalogue[scored.entry]) {
         scored.excluded = Some(Exclusion::Redundant(done_already(context)));
         return Ok(());
     }
     let structure = context.structure(&[model.structure.effects.as_slice(), &[scored.entry]].concat())?;
     let joint = context.joint(&structure);
-    let globals = structure.carry(&model.structure, &model.fit.point.parameters);
-    let mut point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
+    let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
+    let mut point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
     let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
     let shapes = best_shapes(&joint, &model.fit.residuals, &point, known, projector, left);
     if let Some(best) = shapes.first() {
@@ -175,14 +175,14 @@ fn try_score(
         projected.clear();
         let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
         scored.columns = joint.columns(&point, &model.fit.residuals, which);
-        for (place, global) in structure.globals.iter().enumerate().skip(known) {
-            let mut column = stack(&scored.columns, &lengths, place);
+        for (index, shared) in structure.shared.iter().enumerate().skip(known) {
+            let mut column = stack(&scored.columns, &lengths, index);
             whole += dot(&column, &column);
             projector.project(&mut column);
             let size = dot(&column, &column);
             rest += size;
-            let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
-            let (low, high) = context.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
+            let (absent, coefficient) = (shared.absent.map_or(0.0, |a| a.0), shared.effect.map_or(0, |e| e.1));
+            let (low, high) = context.catalogue[scored.entry].of[shared.object.unwrap_or(0)].plausible[coefficient];
             seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
             projected.push(column);
         }
@@ -200,7 +200,7 @@ fn try_score(
     scored.span = orthonormal(projected);
     let explained: f64 = scored.span.iter().map(|direction| dot(direction, left).powi(2)).sum();
     let before = model.deviance(model.scale());
-    let coefficients = (structure.globals.len() - known) as f64;
+    let coefficients = (structure.shared.len() - known) as f64;
     scored.predicted = context.criterion(before, (before - explained).max(1e-3 * before), coefficients);
     let mut rest = left.to_vec();
     for direction in &scored.span {
@@ -223,27 +223,27 @@ fn best_shapes(
     projector: &Projector,
     left: &[f64],
 ) -> Vec<Vec<f64>> {
-    let globals = &joint.structure.globals;
-    let shapes: Vec<usize> = (known..globals.len()).filter(|&place| globals[place].shape).collect();
+    let shared = &joint.structure.shared;
+    let shapes: Vec<usize> = (known..shared.len()).filter(|&index| shared[index].shape).collect();
     if shapes.is_empty() {
         return Vec::new();
     }
     let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
     let at = |shares: &[f64]| {
         let mut tried = point.clone();
-        for (&place, share) in shapes.iter().zip(shares) {
-            let (min, max) = (globals[place].parameter.min, globals[place].parameter.max);
+        for (&index, share) in shapes.iter().zip(shares) {
+            let (min, max) = (shared[index].parameter.min, shared[index].parameter.max);
             let wide = min > 0.0 && max > WIDE * min;
-            tried.parameters[place] = if wide { min * (max / min).powf(*share) } else { min + share * (max - min) };
+            tried.parameters[index] = if wide { min * (max / min).powf(*share) } else { min + share * (max - min) };
         }
         tried
     };
     let explained = |shares: &[f64]| -> f64 {
         let which = Which { first: known, nuisances: false, ..Which::ALL };
-        let columns = joint.columns_of(&at(shares), residuals, which, |place| !shapes.contains(place));
-        let places = (known..globals.len()).filter(|place| !shapes.contains(place));
-        let projected = places.map(|place| {
-            let mut column = stack(&columns, &lengths, place);
+        let columns = joint.columns_of(&at(shares), residuals, which, |index| !shapes.contains(index));
+        let sizes = (known..shared.len()).filter(|index| !shapes.contains(index));
+        let projected = sizes.map(|index| {
+            let mut column = stack(&columns, &lengths, index);
             projector.project(&mut column);
             column
         });
@@ -277,7 +277,7 @@ fn best_shapes(
     all.iter().map(|(_, shares)| at(shares).parameters[known..].to_vec()).collect()
 }
 
-/// A model and one of its candidates, linear where the model stands.
+/// A hypothesis and one of its candidates, linearised about the fit of the hypothesis.
 #[derive(Clone, Copy)]
 struct Extension<'s, 'a> {
     model: &'s Hypothesis<'a>,
@@ -291,16 +291,16 @@ impl<'a> Extension<'_, 'a> {
         context.structure(&[self.model.structure.effects.as_slice(), &[self.scored.entry]].concat())
     }
 
-    /// The joint fit from where the model stands, with the derivatives that are known: a step takes one rollout of each
+    /// The joint fit from the values of the hypothesis, with the derivatives that are known: a step takes one rollout of each
     /// recording.
     fn fit(&self, context: &Context<'a>, effort: Effort) -> Result<Hypothesis<'a>> {
         let structure = self.structure(context)?;
         let mut parameters = structure.carry(&self.model.structure, &self.model.fit.point.parameters);
-        let known = self.model.structure.globals.len();
+        let known = self.model.structure.shared.len();
         parameters[known..].copy_from_slice(&self.scored.start);
         let point = Point { parameters, nuisances: self.model.fit.point.nuisances.clone() };
         let columns = self.base.iter().zip(&self.scored.columns).map(|(base, new)| Columns {
-            places: [base.places.as_slice(), &new.places].concat(),
+            indices: [base.indices.as_slice(), &new.indices].concat(),
             shared: base.shared.iter().chain(&new.shared).cloned().collect(),
             nuisances: base.nuisances.clone(),
         });
@@ -314,28 +314,29 @@ impl<'a> Extension<'_, 'a> {
 /// best; each from several starts where one does not keep what was predicted.
 fn fit_best<'s, 'a: 's>(
     context: &Context<'a>,
-    trials: &mut [CandidateFit<'a>],
+    candidates: &mut [CandidateFit<'a>],
     extension: impl Fn(usize) -> Extension<'s, 'a> + Sync,
 ) {
-    let mut done = vec![false; trials.len()];
-    let take = |trial: &mut CandidateFit<'a>, model: &Hypothesis<'a>, fitted: Option<Hypothesis<'a>>| {
+    let mut done = vec![false; candidates.len()];
+    let take = |candidate: &mut CandidateFit<'a>, model: &Hypothesis<'a>, fitted: Option<Hypothesis<'a>>| {
         let Some(fitted) = fitted else { return };
-        trial.gain = gain(context, model, &fitted, model.scale());
-        trial.excluded = implausible(context, &fitted).map(Exclusion::Implausible);
-        trial.model = Some(fitted);
+        candidate.gain = gain(context, model, &fitted, model.scale());
+        candidate.excluded = implausible(context, &fitted).map(Exclusion::Implausible);
+        candidate.model = Some(fitted);
     };
     for round in 0.. {
-        let best = leader(trials);
-        let limit = best.map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
-        let alike =
-            |i: usize| best.is_some_and(|b| done[b] && canonical_correlation(&trials[b].span, &trials[i].span) > ALIKE);
-        let hopeful = |i: &usize| {
-            let t = &trials[*i];
-            let promising = t.gain.max(extension(*i).scored.expected.min(limit + BEHIND)) > limit;
-            !done[*i] && t.excluded.is_none() && t.predicted > 0.0 && (promising || alike(*i))
+        let best = leader(candidates);
+        let limit = best.map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
+        let alike = |i: usize| {
+            best.is_some_and(|b| done[b] && canonical_correlation(&candidates[b].span, &candidates[i].span) > ALIKE)
         };
-        let mut open: Vec<usize> = (0..trials.len()).filter(hopeful).collect();
-        open.sort_by(|a, b| trials[*b].gain.total_cmp(&trials[*a].gain));
+        let hopeful = |i: &usize| {
+            let one = &candidates[*i];
+            let promising = one.gain.max(extension(*i).scored.expected.min(limit + BEHIND)) > limit;
+            !done[*i] && one.excluded.is_none() && one.predicted > 0.0 && (promising || alike(*i))
+        };
+        let mut open: Vec<usize> = (0..candidates.len()).filter(hopeful).collect();
+        open.sort_by(|a, b| candidates[*b].gain.total_cmp(&candidates[*a].gain));
         open.sort_by_key(|&i| !alike(i));
         open.truncate(FIRST);
         if open.is_empty() || round == ROUNDS {
@@ -344,44 +345,45 @@ fn fit_best<'s, 'a: 's>(
         let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, FULL).ok()).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             done[i] = true;
-            take(&mut trials[i], extension(i).model, fitted);
+            take(&mut candidates[i], extension(i).model, fitted);
         }
         let shaped: Vec<usize> = open.iter().copied().filter(|&i| !extension(i).scored.others.is_empty()).collect();
-        let fits: Vec<_> = shaped.par_iter().map(|&i| fit_from_shapes(context, &trials[i], extension(i))).collect();
+        let fits: Vec<_> = shaped.par_iter().map(|&i| fit_from_shapes(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in shaped.iter().zip(fits) {
-            take(&mut trials[i], extension(i).model, fitted);
+            take(&mut candidates[i], extension(i).model, fitted);
         }
         // What fell short of the prediction, and could still come near the best.
-        let limit = leader(trials).map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
+        let limit =
+            leader(candidates).map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
         let expected = |i: &usize| extension(*i).scored.expected;
-        open.retain(|i| expected(i) > limit && trials[*i].gain <= KEPT * expected(i));
-        let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &trials[i], extension(i))).collect();
+        open.retain(|i| expected(i) > limit && candidates[*i].gain <= KEPT * expected(i));
+        let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in open.iter().zip(fits) {
-            take(&mut trials[i], extension(i).model, fitted);
+            take(&mut candidates[i], extension(i).model, fitted);
         }
     }
     // What was not fitted to the end keeps what one step gained, and no model.
-    for (trial, done) in trials.iter_mut().zip(done) {
+    for (candidate, done) in candidates.iter_mut().zip(done) {
         if !done {
-            trial.model = None;
+            candidate.model = None;
         }
     }
 }
 
-/// The best trial as it stands.
-fn leader(trials: &[CandidateFit]) -> Option<usize> {
-    let fitted = (0..trials.len()).filter(|&i| trials[i].excluded.is_none() && trials[i].model.is_some());
-    fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
+/// The candidate that gains most so far.
+fn leader(candidates: &[CandidateFit]) -> Option<usize> {
+    let fitted = (0..candidates.len()).filter(|&i| candidates[i].excluded.is_none() && candidates[i].model.is_some());
+    fitted.max_by(|a, b| candidates[*a].gain.total_cmp(&candidates[*b].gain))
 }
 
-/// From other values of the coefficients that only shape an effect. `None` where none leads farther than `trial`.
+/// From other values of the coefficients that only shape an effect. `None` where none leads farther than `candidate`.
 fn fit_from_shapes<'a>(
     context: &Context<'a>,
-    trial: &CandidateFit<'a>,
+    candidate: &CandidateFit<'a>,
     extension: Extension<'_, 'a>,
 ) -> Option<Hypothesis<'a>> {
     let model = extension.model;
-    let known = model.structure.globals.len();
+    let known = model.structure.shared.len();
     let mut best: Option<(f64, Hypothesis)> = None;
     for other in &extension.scored.others {
         let structure = extension.structure(context).ok()?;
@@ -398,38 +400,38 @@ fn fit_from_shapes<'a>(
     let (_, tried) = best?;
     let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
     let found = Hypothesis { structure: tried.structure, fit };
-    (gain(context, model, &found, model.scale()) > trial.gain).then_some(found)
+    (gain(context, model, &found, model.scale()) > candidate.gain).then_some(found)
 }
 
 /// From larger coefficients than those to which one step leads: friction that grips is not reached from friction that hardly
-/// is. `None` where that is no better than `trial`.
+/// is. `None` where that is no better than `candidate`.
 fn fit_from_larger<'a>(
     context: &Context<'a>,
-    trial: &CandidateFit<'a>,
+    candidate: &CandidateFit<'a>,
     extension: Extension<'_, 'a>,
 ) -> Option<Hypothesis<'a>> {
     let model = extension.model;
-    let near = trial.model.as_ref()?;
+    let near = candidate.model.as_ref()?;
     let mut best: Option<Hypothesis> = None;
-    let known = model.structure.globals.len();
+    let known = model.structure.shared.len();
     for size in LARGER {
         let structure = extension.structure(context).ok()?;
-        let mut globals = structure.carry(&model.structure, &model.fit.point.parameters);
-        for (place, global) in structure.globals.iter().enumerate().skip(known) {
-            if global.shape {
-                globals[place] = extension.scored.start[place - known];
+        let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
+        for (column, shared) in structure.shared.iter().enumerate().skip(known) {
+            if shared.shape {
+                parameters[column] = extension.scored.start[column - known];
                 continue;
             }
-            let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
-            let way = near.fit.point.parameters[place] - absent;
+            let (absent, typical) = shared.absent.unwrap_or((0.0, 0.0));
+            let way = near.fit.point.parameters[column] - absent;
             let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
-            globals[place] = value.clamp(global.parameter.min, global.parameter.max);
+            parameters[column] = value.clamp(shared.parameter.min, shared.parameter.max);
         }
-        let start = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
+        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
         // A few steps show whether this local minimum is a better one.
         let Ok(tried) = context.joint(&structure).fit(start, FEW_STEPS) else { continue };
         let tried = Hypothesis { structure, fit: tried };
-        let reached = best.as_ref().map_or(trial.gain, |best| gain(context, model, best, model.scale()));
+        let reached = best.as_ref().map_or(candidate.gain, |best| gain(context, model, best, model.scale()));
         if gain(context, model, &tried, model.scale()) > reached {
             let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
             best = Some(Hypothesis { structure: tried.structure, fit });
@@ -440,7 +442,7 @@ fn fit_from_larger<'a>(
 
 /// Gain of the information criterion from `before` to `after`, losses changing over at 4 times `scale`.
 pub(in crate::diagnose) fn gain(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis, scale: f64) -> f64 {
-    let coefficients = after.structure.globals.len() as f64 - before.structure.globals.len() as f64;
+    let coefficients = after.structure.shared.len() as f64 - before.structure.shared.len() as f64;
     context.criterion(before.deviance(scale), after.deviance(scale), coefficients)
 }
 
@@ -455,13 +457,13 @@ mod tests {
     fn the_missing_effect_leads_and_what_changes_nothing_new_is_excluded() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let trials = score_candidates(context, &base);
-            assert_eq!(context.catalogue[trials[0].entry].name, "viscous_friction");
-            assert!(trials[0].gain > 100.0 && trials[0].model.is_some(), "{}", trials[0].gain);
+            let candidates = score_candidates(context, &base);
+            assert_eq!(context.catalogue[candidates[0].entry].name, "viscous_friction");
+            assert!(candidates[0].gain > 100.0 && candidates[0].model.is_some(), "{}", candidates[0].gain);
             // Another unit of the angle is another start.
-            let scale = trials.iter().find(|t| t.entry == entry(context, "length_scale")).unwrap();
+            let scale = candidates.iter().find(|c| c.entry == entry(context, "length_scale")).unwrap();
             assert!(scale.excluded.is_some());
-            assert!(trials.is_sorted_by(|a, b| CandidateFit::order(a, b).is_le()));
+            assert!(candidates.is_sorted_by(|a, b| CandidateFit::order(a, b).is_le()));
         });
     }
 }

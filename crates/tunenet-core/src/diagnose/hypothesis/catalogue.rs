@@ -22,8 +22,8 @@ impl Entry {
         self.of[0].phase == Phase::Measurement
     }
 
-    /// Whether it is chance, which no coefficient rolls out.
-    pub fn chance(&self) -> bool {
+    /// Whether it is a random effect: its draws, one or more to each event, are nuisance parameters of a recording.
+    pub fn is_random_effect(&self) -> bool {
         self.of[0].random
     }
 }

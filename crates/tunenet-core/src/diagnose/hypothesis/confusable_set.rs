@@ -11,27 +11,27 @@ use crate::simulator::Text;
 /// whatever small difference a fit finds.
 pub(in crate::diagnose) const TWINS: f64 = 0.9999;
 
-/// What could stand in the place of `entry` in `model`, with how far it falls behind, nearest first. `without` is the model
-/// without `entry`, and `trials` are the candidates in addition to it.
+/// The effects that could replace `entry` in `model`, each with how far it falls behind, nearest first. `without` is the model
+/// without `entry`, and `candidates` are those in addition to it.
 pub(in crate::diagnose) fn others(
     context: &Context,
     without: &Hypothesis,
     model: &Hypothesis,
     entry: usize,
-    trials: &[CandidateFit],
+    candidates: &[CandidateFit],
 ) -> Vec<(usize, f64)> {
     let scale = model.scale();
     let best = gain(context, without, model, scale);
-    let own = trials.iter().find(|t| t.entry == entry).map_or(&[][..], |t| t.span.as_slice());
+    let own = candidates.iter().find(|c| c.entry == entry).map_or(&[][..], |c| c.span.as_slice());
     let sound = !strains_an_object(context, model);
-    let strained = |t: &CandidateFit| sound && t.model.as_ref().is_some_and(|other| strains_an_object(context, other));
-    let each = trials.iter().filter(|t| t.entry != entry && t.excluded.is_none() && !strained(t));
-    let gap = |t: &CandidateFit| {
-        let twin = t.span.len() == own.len() && canonical_correlation(own, &t.span) > TWINS;
-        let gap = t.model.as_ref().map(|other| best - gain(context, without, other, scale));
+    let strained = |c: &CandidateFit| sound && c.model.as_ref().is_some_and(|other| strains_an_object(context, other));
+    let each = candidates.iter().filter(|c| c.entry != entry && c.excluded.is_none() && !strained(c));
+    let gap = |c: &CandidateFit| {
+        let twin = c.span.len() == own.len() && canonical_correlation(own, &c.span) > TWINS;
+        let gap = c.model.as_ref().map(|other| best - gain(context, without, other, scale));
         match gap {
-            Some(gap) => Some((t.entry, gap)),
-            None if twin => Some((t.entry, 0.0)),
+            Some(gap) => Some((c.entry, gap)),
+            None if twin => Some((c.entry, 0.0)),
             None => None,
         }
     };
@@ -41,16 +41,16 @@ pub(in crate::diagnose) fn others(
 }
 
 /// What would explain more than `model` does, by more than distinguishes two explanations, if its coefficient were physical: a
-/// value on which its bounds rest may be wrong. `without` and `trials` are as for [`others`].
+/// value on which its bounds rest may be wrong. `without` and `candidates` are as for [`others`].
 pub(in crate::diagnose) fn excluded_rival(
     context: &Context,
     without: &Hypothesis,
     model: &Hypothesis,
-    trials: &[CandidateFit],
+    candidates: &[CandidateFit],
 ) -> Option<OutOfRange> {
     let scale = model.scale();
     let best = gain(context, without, model, scale);
-    let rivals = trials.iter().filter_map(|trial| match (&trial.excluded, &trial.model) {
+    let rivals = candidates.iter().filter_map(|candidate| match (&candidate.excluded, &candidate.model) {
         (Some(Exclusion::Implausible(coefficient)), Some(rival)) => {
             Some((gain(context, without, rival, scale) - best, coefficient))
         }
@@ -69,8 +69,9 @@ pub(in crate::diagnose) fn exact_twins<'c>(
     let structure = &model.structure;
     let Some(position) = structure.effects.iter().position(|&e| e == entry) else { return Vec::new() };
     let own = structure.of_effect(position);
-    let value =
-        |&g: &usize| (model.fit.point.parameters[g], structure.globals[g].absent.map_or(0.0, |(absent, _)| absent));
+    let value = |&column: &usize| {
+        (model.fit.point.parameters[column], structure.shared[column].absent.map_or(0.0, |(absent, _)| absent))
+    };
     let alike = context.catalogue[entry].of[0].exact_twins.iter().filter(|twin| twin.side.holds(own.iter().map(value)));
     let known = |name: &Text| context.catalogue.iter().position(|other| other.name == *name);
     let found = alike.filter_map(|twin| Some((known(&twin.name)?, &twin.separated_by)));
@@ -89,10 +90,10 @@ mod tests {
     fn others_come_nearest_first_and_without_the_effect_itself() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let trials = score_candidates(context, &base);
-            let best = trials[0].model.as_ref().unwrap();
-            let others = others(context, &base, best, trials[0].entry, &trials);
-            assert!(others.iter().all(|(other, gap)| *other != trials[0].entry && *gap > 6.0), "{others:?}");
+            let candidates = score_candidates(context, &base);
+            let best = candidates[0].model.as_ref().unwrap();
+            let others = others(context, &base, best, candidates[0].entry, &candidates);
+            assert!(others.iter().all(|(other, gap)| *other != candidates[0].entry && *gap > 6.0), "{others:?}");
             assert!(others.is_sorted_by(|a, b| a.1 <= b.1));
         });
     }

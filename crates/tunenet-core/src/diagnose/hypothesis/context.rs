@@ -7,7 +7,7 @@ use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::evidence::outliers;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
@@ -27,12 +27,12 @@ const CORRELATION_CHANGE: f64 = 0.05;
 /// drag of a body of known mass and size.
 pub(in crate::diagnose) const SINGLE_MOTION_MARGIN: f64 = 10.0;
 
-/// The random effect of contacts: every contact tilted by a draw of its own.
+/// A random effect of events: every event has draws of its own from one distribution.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::diagnose) struct RandomTilts {
-    /// The standard deviation of a tilt, rad.
-    pub sd_rad: f64,
-    /// How many tilts are fitted.
+pub(in crate::diagnose) struct EventEffects {
+    /// The standard deviation of a draw, in the unit of the effect's coefficient.
+    pub sd: f64,
+    /// How many draws are fitted.
     pub count: usize,
 }
 
@@ -43,11 +43,11 @@ pub(in crate::diagnose) struct Context<'a> {
     pub evidence: Arc<Evidence>,
     pub catalogue: Arc<[Entry]>,
     pub settings: &'a Settings,
-    /// Where contacts are subject to chance.
-    pub random_tilts: Option<RandomTilts>,
+    /// The random effect of events, where it is part of every hypothesis.
+    pub event_effects: Option<EventEffects>,
     /// Effects that are fixed at known values.
     pub given: Arc<[FixedEffect]>,
-    /// Effects, by their positions in the catalogue, and objects in which they stand at absence.
+    /// Effects, by their positions in the catalogue, and objects in which they are absent.
     pub spared: Arc<[(usize, usize)]>,
     /// Whether what is physically required is part of every hypothesis from the start.
     pub required_first: bool,
@@ -83,14 +83,14 @@ impl<'a> Hypothesis<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Where a diagnosis begins: nothing fixed, nothing required, no chance.
+    /// Where a diagnosis begins: nothing fixed, nothing required, no random effect.
     pub fn new(subjects: &'a [Subject<'a>], evidence: Evidence, catalogue: Vec<Entry>, settings: &'a Settings) -> Self {
         Self {
             subjects,
             evidence: Arc::new(evidence),
             catalogue: catalogue.into(),
             settings,
-            random_tilts: None,
+            event_effects: None,
             given: Arc::new([]),
             spared: Arc::new([]),
             required_first: false,
@@ -104,7 +104,7 @@ impl<'a> Context<'a> {
     }
 
     /// The recordings that are fitted.
-    pub fn sets(&self) -> &[Set] {
+    pub fn recordings(&self) -> &[PreparedRecording] {
         &self.evidence.training
     }
 
@@ -114,17 +114,17 @@ impl<'a> Context<'a> {
     }
 
     pub fn joint<'b>(&'b self, structure: &'b Structure<'b>) -> Joint<'b> {
-        Joint { structure, sets: self.sets(), rollouts: &self.rollouts }
+        Joint { structure, recordings: self.recordings(), rollouts: &self.rollouts }
     }
 
     pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {
         let fixed = (&self.given[..], &self.spared[..]);
-        Structure::new(self.subjects, self.sets(), &self.catalogue, effects, fixed, self.random_tilts.is_some())
+        Structure::new(self.subjects, self.recordings(), &self.catalogue, effects, fixed, self.event_effects.is_some())
     }
 
-    /// Chance at contacts, where every subject knows it.
-    pub fn chance_entry(&self) -> Option<&Entry> {
-        self.catalogue.iter().find(|e| e.chance())
+    /// The random effect of events, where every subject knows one.
+    pub fn random_effect_entry(&self) -> Option<&Entry> {
+        self.catalogue.iter().find(|e| e.is_random_effect())
     }
 
     /// How far behind the best an explanation is still left; more where no object shows a second motion, against which the
@@ -149,7 +149,7 @@ impl<'a> Context<'a> {
         bic_gain(self.likelihood(before, after), self.effective_fraction() * self.count() as f64, coefficients)
     }
 
-    /// A hypothesis with these effects, fitted from where `near` stands.
+    /// A hypothesis with these effects, fitted from the values of `near`.
     pub fn fit_near(&self, effects: &[usize], near: &Hypothesis) -> Result<Hypothesis<'a>> {
         self.fit_near_with(effects, near, FULL)
     }
@@ -168,10 +168,10 @@ impl<'a> Context<'a> {
     /// Residuals of a model in units of the noise, not whitened; outliers stay 0.
     pub fn weighted(&self, model: &Hypothesis) -> Result<Vec<Vec<f64>>> {
         let mut plain = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        for (set, values) in self.sets().iter().zip(&mut plain) {
-            let width = set.width();
+        for (recording, values) in self.recordings().iter().zip(&mut plain) {
+            let width = recording.width();
             for (i, value) in values.iter_mut().enumerate() {
-                *value = if set.keep[i] { *value / set.noise[i % width] } else { 0.0 };
+                *value = if recording.keep[i] { *value / recording.noise[i % width] } else { 0.0 };
             }
         }
         Ok(plain)
@@ -179,7 +179,7 @@ impl<'a> Context<'a> {
 
     /// The variance of the noise, taken from what `model` leaves, by which its covariance is multiplied.
     pub fn variance(&self, model: &Hypothesis) -> f64 {
-        let freedom = self.count() as f64 - model.structure.globals.len() as f64;
+        let freedom = self.count() as f64 - model.structure.shared.len() as f64;
         model.deviance(model.scale()) / freedom.max(1.0) / self.effective_fraction()
     }
 
@@ -187,9 +187,9 @@ impl<'a> Context<'a> {
     /// changes nothing, so that no fit has to be made again.
     pub fn learn_noise(&self, model: &Hypothesis) -> Result<Option<Evidence>> {
         let mut weighted = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        for (set, values) in self.sets().iter().zip(&mut weighted) {
-            let width = set.width();
-            values.iter_mut().enumerate().for_each(|(i, v)| *v /= set.noise[i % width]);
+        for (recording, values) in self.recordings().iter().zip(&mut weighted) {
+            let width = recording.width();
+            values.iter_mut().enumerate().for_each(|(i, v)| *v /= recording.noise[i % width]);
         }
         let mut learned = Evidence::clone(&self.evidence);
         let outliers = outliers::set_aside(&mut learned.training, &weighted);

@@ -8,7 +8,7 @@ use crate::diagnose::hypothesis::confusable_set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, SINGLE_MOTION_MARGIN};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
-use crate::diagnose::hypothesis::structure::Global;
+use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::estimate::information_criterion::p_value;
 
 /// A swap may open the way to another; each is better than the one before.
@@ -27,51 +27,50 @@ pub(in crate::diagnose) struct Selection<'a> {
     pub base: Hypothesis<'a>,
     /// Candidates in addition to it, each alone, best first.
     pub alone: Vec<CandidateFit<'a>>,
-    /// The best structure; `None` where no effect earns its place.
+    /// The best structure; `None` where no effect gains enough.
     pub best: Option<Hypothesis<'a>>,
-    /// For each effect of the best: what it is worth and what could stand in its place.
-    pub places: Vec<SelectedEffect>,
+    /// For each effect of the best: its gain, and what else could be in its place.
+    pub selected: Vec<SelectedEffect>,
 }
 
 impl<'a> Selection<'a> {
     /// Before any search: the simulation as it was tuned.
     pub fn tuned(base: Hypothesis<'a>) -> Self {
-        Self { base, alone: Vec::new(), best: None, places: Vec::new() }
+        Self { base, alone: Vec::new(), best: None, selected: Vec::new() }
     }
 }
 
-/// A structure with every candidate in addition to it.
-struct Stage<'a> {
+/// A step of the selection: a hypothesis with every candidate in addition to it.
+struct SelectionStep<'a> {
     model: Hypothesis<'a>,
-    trials: Vec<CandidateFit<'a>>,
+    candidates: Vec<CandidateFit<'a>>,
 }
 
-impl<'a> Stage<'a> {
-    /// The stage of these effects: the one among `known`, to which it is added where it is not there, fitted from where `near`
-    /// stands.
+impl<'a> SelectionStep<'a> {
+    /// The step of these effects among `known`. If there is none, it is fitted from the values of `near` and added there.
     fn of<'s>(
         context: &Context<'a>,
         known: &'s mut Vec<Self>,
         effects: &[usize],
         near: &Hypothesis<'a>,
     ) -> Result<&'s Self> {
-        let same = |stage: &Self| {
-            let of = &stage.model.structure.effects;
+        let same = |step: &Self| {
+            let of = &step.model.structure.effects;
             of.len() == effects.len() && effects.iter().all(|entry| of.contains(entry))
         };
         if let Some(position) = known.iter().position(same) {
             return Ok(&known[position]);
         }
         let model = context.fit_near(effects, near)?;
-        let trials = score_candidates(context, &model);
-        known.push(Self { model, trials });
+        let candidates = score_candidates(context, &model);
+        known.push(Self { model, candidates });
         Ok(&known[known.len() - 1])
     }
 }
 
-/// What becomes of a structure whose effects are judged one by one.
-enum Step<'a> {
-    /// Each earns its place.
+/// What becomes of a hypothesis whose effects are judged one by one.
+enum Revision<'a> {
+    /// Every effect gains enough.
     Retained(Vec<SelectedEffect>),
     /// This one is better; `None` is the simulation without any effect.
     Replaced(Option<Box<Hypothesis<'a>>>),
@@ -137,21 +136,21 @@ pub(in crate::diagnose) fn search<'a>(
         Some(expected) => Some(expected),
         None => accepted(context, &base, &alone)?,
     };
-    let mut stages = Vec::new();
+    let mut steps = Vec::new();
     while let Some(model) = best.take_if(|model| model.structure.effects.len() < most_effects(context, model)) {
         progress(scoring(context, &model));
-        let trials = score_candidates(context, &model);
-        let Some(more) = accepted(context, &model, &trials)? else {
+        let candidates = score_candidates(context, &model);
+        let Some(more) = accepted(context, &model, &candidates)? else {
             best = Some(model);
             break;
         };
-        stages.push(Stage { model, trials });
+        steps.push(SelectionStep { model, candidates });
         best = Some(more);
     }
     if let Some(better) = best.as_ref().map(|model| surpassing(context, &alone, model)).transpose()?.flatten() {
         best = Some(better);
     }
-    let mut places = Vec::new();
+    let mut selected = Vec::new();
     for _ in 0..MOST_SWAPS {
         let Some(model) = best.take() else { break };
         // With all that may be added and still no fit, there is nothing to compare with.
@@ -160,25 +159,25 @@ pub(in crate::diagnose) fn search<'a>(
             best = Some(model);
             break;
         }
-        match judge_places(context, (&base, &alone), &mut stages, &model)? {
-            Step::Retained(found) => {
-                (best, places) = (Some(model), found);
+        match judge_selected(context, (&base, &alone), &mut steps, &model)? {
+            Revision::Retained(found) => {
+                (best, selected) = (Some(model), found);
                 break;
             }
-            Step::Replaced(other) => best = other.map(|model| *model),
+            Revision::Replaced(other) => best = other.map(|model| *model),
         }
     }
-    if let (Some(model), true) = (&best, places.is_empty()) {
-        places = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
+    if let (Some(model), true) = (&best, selected.is_empty()) {
+        selected = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
     }
     if let Some(model) = &best {
         measure_alike(context, &mut alone, &base, model.scale());
-        if let (Some(first), true) = (places.first_mut(), model.structure.effects.len() > 1) {
+        if let (Some(first), true) = (selected.first_mut(), model.structure.effects.len() > 1) {
             let whole = confusable_set::excluded_rival(context, &base, model, &alone);
             first.excluded = first.excluded.take().or(whole);
         }
     }
-    Ok(Selection { base, alone, best, places })
+    Ok(Selection { base, alone, best, selected })
 }
 
 /// The effect that explains far more than required effects, if these are all that was found. Nothing was added to them because with it
@@ -193,8 +192,8 @@ fn surpassing<'a>(
         return Ok(None);
     }
     let far = SINGLE_MOTION_MARGIN * context.settings.margin;
-    let mut others = alone.iter().filter(|trial| trial.excluded.is_none() && !effects.contains(&trial.entry));
-    let found = others.find_map(|trial| trial.model.as_ref());
+    let mut others = alone.iter().filter(|other| other.excluded.is_none() && !effects.contains(&other.entry));
+    let found = others.find_map(|other| other.model.as_ref());
     let ahead = |other: &&Hypothesis<'a>| gain(context, model, other, model.scale()) > far;
     found.filter(ahead).map(|other| other.again(context)).transpose()
 }
@@ -209,30 +208,30 @@ fn most_effects(context: &Context<'_>, model: &Hypothesis) -> usize {
 
 /// Gains of candidates over the simulation without any, all measured as that of the best structure is.
 fn measure_alike<'a>(context: &Context<'a>, alone: &mut [CandidateFit<'a>], base: &Hypothesis<'a>, scale: f64) {
-    for trial in alone.iter_mut() {
-        if let Some(model) = &trial.model {
-            trial.gain = gain(context, base, model, scale);
+    for candidate in alone.iter_mut() {
+        if let Some(model) = &candidate.model {
+            candidate.gain = gain(context, base, model, scale);
         }
     }
     alone.sort_by(CandidateFit::order);
 }
 
-/// The best trial of a stage as a model of its own, where it earns its place.
+/// The best of the `candidates` in addition to `before`, as a hypothesis of its own; `None` where it does not gain enough.
 fn accepted<'a>(
     context: &Context<'a>,
     before: &Hypothesis<'a>,
-    trials: &[CandidateFit<'a>],
+    candidates: &[CandidateFit<'a>],
 ) -> Result<Option<Hypothesis<'a>>> {
     let first = holds_only_required(context, before);
     let least = if first { context.settings.margin } else { context.margin().max(least_gain(context, 2)) };
-    let fitted = || trials.iter().filter(|t| t.excluded.is_none()).filter_map(|t| Some((t, t.model.as_ref()?)));
-    let earns = |(trial, model): &(&CandidateFit<'a>, &Hypothesis<'a>)| {
-        trial.gain > least
+    let fitted = || candidates.iter().filter(|c| c.excluded.is_none()).filter_map(|c| Some((c, c.model.as_ref()?)));
+    let earns = |(candidate, model): &(&CandidateFit<'a>, &Hypothesis<'a>)| {
+        candidate.gain > least
             && is_significant(context, worth(context, before, model).1)
             && is_material(context, before, model)
     };
     // What has to be there in any case comes first, so that nothing else is taken for it.
-    let certain = fitted().filter(|(trial, _)| is_required(context, trial.entry)).find(earns);
+    let certain = fitted().filter(|(candidate, _)| is_required(context, candidate.entry)).find(earns);
     let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
     model.again(context).map(Some)
 }
@@ -257,80 +256,78 @@ fn is_material(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -
 /// Whether every coefficient of an effect is within twice its standard deviation of its absence.
 fn is_idle(model: &Hypothesis, entry: usize) -> bool {
     let effects = &model.structure.effects;
-    let globals = model.structure.globals.iter().enumerate();
-    let of =
-        |(_, global): &(usize, &Global)| !global.shape && global.effect.is_some_and(|(of, _)| effects[of] == entry);
-    let mut own = globals.filter(of);
-    own.all(|(place, global)| {
-        let way = model.fit.point.parameters[place] - global.absent.map_or(0.0, |(absent, _)| absent);
-        way * way <= 4.0 * model.fit.covariance[(place, place)]
+    let is_size = |shared: &SharedParameter| !shared.shape && shared.effect.is_some_and(|(of, _)| effects[of] == entry);
+    let mut sizes = model.structure.shared.iter().enumerate().filter(|(_, shared)| is_size(shared));
+    sizes.all(|(column, shared)| {
+        let way = model.fit.point.parameters[column] - shared.absent.map_or(0.0, |(absent, _)| absent);
+        way * way <= 4.0 * model.fit.covariance[(column, column)]
     })
 }
 
 /// Gain of the information criterion and the probability of it by chance, all candidates counted.
 fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64, f64) {
     let scale = after.scale();
-    let coefficients = after.structure.globals.len() - before.structure.globals.len();
+    let coefficients = after.structure.shared.len() - before.structure.shared.len();
     let likelihood = context.likelihood(before.deviance(scale), after.deviance(scale));
     let p = p_value(likelihood, coefficients) * context.catalogue.len() as f64;
     (gain(context, before, after, scale), p.min(1.0))
 }
 
-/// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
-/// removed. Stages that were scored are found in `stages`, others are added there.
-fn judge_places<'a>(
+/// For each effect: its gain, and what explains as much in its place; or a better hypothesis, one effect swapped or removed.
+/// Steps that were scored are found in `steps`, others are added there.
+fn judge_selected<'a>(
     context: &Context<'a>,
     (base, alone): (&Hypothesis<'a>, &[CandidateFit<'a>]),
-    stages: &mut Vec<Stage<'a>>,
+    steps: &mut Vec<SelectionStep<'a>>,
     model: &Hypothesis<'a>,
-) -> Result<Step<'a>> {
+) -> Result<Revision<'a>> {
     let effects = model.structure.effects.clone();
-    let mut places = Vec::new();
+    let mut selected = Vec::new();
     for &entry in &effects {
         let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
         if !others.is_empty() && !needs_no_evidence(context, entry) && is_idle(model, entry) {
             // It may have led the others out of a local minimum, and is not needed there.
             let without = context.fit_near(&others, model)?;
             if worth(context, &without, model).0 < least_gain(context, effects.len()) {
-                return Ok(Step::Replaced(Some(Box::new(without))));
+                return Ok(Revision::Replaced(Some(Box::new(without))));
             }
         }
-        let (without, trials) = if others.is_empty() {
+        let (without, candidates) = if others.is_empty() {
             (base, alone)
         } else {
-            let stage = Stage::of(context, stages, &others, model)?;
-            (&stage.model, stage.trials.as_slice())
+            let step = SelectionStep::of(context, steps, &others, model)?;
+            (&step.model, step.candidates.as_slice())
         };
         let (gain, p_value) = worth(context, without, model);
         let least = least_gain(context, effects.len());
         let earned = gain >= least && is_significant(context, p_value) && is_material(context, without, model);
         if !earned && !needs_no_evidence(context, entry) {
             let fitted = if others.is_empty() { None } else { Some(Box::new(without.again(context)?)) };
-            return Ok(Step::Replaced(fitted));
+            return Ok(Revision::Replaced(fitted));
         }
-        let excluded = confusable_set::excluded_rival(context, without, model, trials);
-        let others = confusable_set::others(context, without, model, entry, trials);
+        let excluded = confusable_set::excluded_rival(context, without, model, candidates);
+        let others = confusable_set::others(context, without, model, entry, candidates);
         let firm = |other: usize| is_required(context, entry) && !is_required(context, other);
         if let Some(better) = others.iter().find(|(other, gap)| *gap < -1.0 && !firm(*other))
             && effects.len() > 1
         {
-            let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
+            let found = candidates.iter().find(|c| c.entry == better.0).and_then(|c| c.model.as_ref());
             if let Some(found) = found {
-                return Ok(Step::Replaced(Some(Box::new(found.again(context)?))));
+                return Ok(Revision::Replaced(Some(Box::new(found.again(context)?))));
             }
         }
-        places.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new(), excluded });
+        selected.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new(), excluded });
     }
-    Ok(Step::Retained(places))
+    Ok(Revision::Retained(selected))
 }
 
 /// Puts the twins of every selected effect first among what could be in its place.
 pub(in crate::diagnose) fn add_exact_twins(context: &Context, found: &mut Selection) {
     let Some(best) = &found.best else { return };
-    for place in &mut found.places {
-        for (twin, _) in confusable_set::exact_twins(context, best, place.entry) {
-            place.others.retain(|(other, _)| *other != twin);
-            place.others.insert(0, (twin, 0.0));
+    for selected in &mut found.selected {
+        for (twin, _) in confusable_set::exact_twins(context, best, selected.entry) {
+            selected.others.retain(|(other, _)| *other != twin);
+            selected.others.insert(0, (twin, 0.0));
         }
     }
 }
@@ -389,7 +386,7 @@ mod tests {
                 let mut found = search(&context, base, is_adequate, &|_| {}).unwrap();
                 add_exact_twins(&context, &mut found);
                 let rest = entry(&context, "rest_angle");
-                assert_eq!(found.places[0].others.first(), Some(&(rest, 0.0)), "{side:?}");
+                assert_eq!(found.selected[0].others.first(), Some(&(rest, 0.0)), "{side:?}");
                 let best = found.best.as_ref().unwrap();
                 let mut below = Hypothesis {
                     structure: context.structure(&best.structure.effects).unwrap(),
@@ -397,7 +394,7 @@ mod tests {
                 };
                 let own = below.structure.of_effect(0)[0];
                 below.fit.point.parameters[own] = -0.1;
-                let twins = confusable_set::exact_twins(&context, &below, found.places[0].entry);
+                let twins = confusable_set::exact_twins(&context, &below, found.selected[0].entry);
                 assert_eq!(twins.len(), usize::from(side == Side::Any));
             }
         });

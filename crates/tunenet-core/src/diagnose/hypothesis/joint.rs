@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::structure::Structure;
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::{Columns, jacobian};
@@ -90,15 +90,15 @@ pub(in crate::diagnose) struct Outcome {
 /// Recordings that have shared parameters in common, and those parameters.
 pub(in crate::diagnose) struct Part {
     /// Positions among the recordings.
-    pub sets: Vec<usize>,
+    pub recordings: Vec<usize>,
     /// Positions among the structure's shared parameters.
-    pub places: Vec<usize>,
+    pub columns: Vec<usize>,
 }
 
 /// A structure and the recordings that it is fitted to.
 pub(in crate::diagnose) struct Joint<'a> {
     pub structure: &'a Structure<'a>,
-    pub sets: &'a [Set],
+    pub recordings: &'a [PreparedRecording],
     /// Counts rollouts against the allowance.
     pub rollouts: &'a RolloutLog,
 }
@@ -112,35 +112,35 @@ struct Portion<'a> {
 
 impl LeastSquares for Portion<'_> {
     fn free(&self) -> &[usize] {
-        &self.part.places
+        &self.part.columns
     }
 
     fn recordings(&self) -> &[usize] {
-        &self.part.sets
+        &self.part.recordings
     }
 
     fn parameter(&self, position: usize) -> &Parameter {
-        &self.joint.structure.globals[position].parameter
+        &self.joint.structure.shared[position].parameter
     }
 
     fn touched(&self, recording: usize) -> Vec<usize> {
-        let mut touched = self.joint.structure.places(self.joint.sets[recording].object);
-        touched.retain(|place| self.part.places.contains(place));
+        let mut touched = self.joint.structure.columns(self.joint.recordings[recording].object);
+        touched.retain(|column| self.part.columns.contains(column));
         touched
     }
 
     fn nuisances(&self, recording: usize) -> &[Parameter] {
-        if self.which.nuisances { &self.joint.sets[recording].prepared.nuisances } else { &[] }
+        if self.which.nuisances { &self.joint.recordings[recording].prepared.nuisances } else { &[] }
     }
 
     fn prior_sd(&self, recording: usize, i: usize) -> f64 {
-        self.joint.sets[recording].prior_sd[i]
+        self.joint.recordings[recording].prior_sd[i]
     }
 
     fn residual(&self, recording: usize, parameters: &[f64], nuisances: &[f64]) -> Result<Vec<f64>> {
         let samples = self.joint.samples(recording, self.which.horizon);
         let mut values = self.joint.plain(recording, parameters, nuisances, samples)?;
-        self.joint.sets[recording].filter.apply(&mut values);
+        self.joint.recordings[recording].filter.apply(&mut values);
         Ok(values)
     }
 
@@ -149,26 +149,26 @@ impl LeastSquares for Portion<'_> {
     }
 
     fn step(&self, position: usize) -> f64 {
-        let global = &self.joint.structure.globals[position];
-        match global.absent {
+        let shared = &self.joint.structure.shared[position];
+        match shared.absent {
             Some((_, typical)) if self.which.visibly => typical,
-            Some((_, typical)) if self.joint.sets.iter().any(|set| set.prepared.discrepancy) => FINE_STEP * typical,
+            Some((_, typical)) if self.joint.recordings.iter().any(|r| r.prepared.discrepancy) => FINE_STEP * typical,
             Some((_, typical)) => COEFFICIENT_STEP * typical,
-            None => DIFFERENCE_STEP * global.parameter.span(),
+            None => DIFFERENCE_STEP * shared.parameter.span(),
         }
     }
 
     /// A coefficient on which the data are silent stays put.
     fn ridge(&self, position: usize) -> f64 {
-        let global = &self.joint.structure.globals[position];
-        if global.effect.is_some() { global.parameter.span().powi(-2) } else { 0.0 }
+        let shared = &self.joint.structure.shared[position];
+        if shared.effect.is_some() { shared.parameter.span().powi(-2) } else { 0.0 }
     }
 
     /// Where a system loses nothing, a rollout may take for ever; a parameter goes only near such a bound.
     fn stepped(&self, position: usize, value: f64, step: f64) -> f64 {
-        let global = &self.joint.structure.globals[position];
-        let bound = (value + step).clamp(global.parameter.min, global.parameter.max);
-        let short = global.effect.is_none() && bound != value + step;
+        let shared = &self.joint.structure.shared[position];
+        let bound = (value + step).clamp(shared.parameter.min, shared.parameter.max);
+        let short = shared.effect.is_none() && bound != value + step;
         value + if short { NEARER * (bound - value) } else { bound - value }
     }
 
@@ -179,26 +179,27 @@ impl LeastSquares for Portion<'_> {
 }
 
 impl Joint<'_> {
-    fn samples(&self, d: usize, horizon: f64) -> usize {
-        leading_samples(self.sets[d].clock().len(), horizon)
+    fn samples(&self, index: usize, horizon: f64) -> usize {
+        leading_samples(self.recordings[index].clock().len(), horizon)
     }
 
-    /// Measured − predicted of one recording in its own unit, over its first `samples`.
-    pub fn plain(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
-        let set = &self.sets[d];
+    /// Measured − predicted of the recording at `index` in its own unit, over its first `samples`.
+    pub fn plain(&self, index: usize, shared: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
+        let recording = &self.recordings[index];
         self.rollouts.spend()?;
-        let mut parameters = self.structure.parameters(set.object, globals);
-        let simulator = self.structure.simulator(set.object);
-        let nuisances = set.with_deviation(&mut parameters, simulator.parameters(), nuisances);
-        let mut values = predict(simulator, &set.prepared, &parameters, nuisances, &set.clock()[..samples])?;
-        values.iter_mut().zip(set.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
+        let mut parameters = self.structure.parameters(recording.object, shared);
+        let simulator = self.structure.simulator(recording.object);
+        let nuisances = recording.with_deviation(&mut parameters, simulator.parameters(), nuisances);
+        let mut values =
+            predict(simulator, &recording.prepared, &parameters, nuisances, &recording.clock()[..samples])?;
+        values.iter_mut().zip(recording.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
         Ok(values)
     }
 
     /// Measured − predicted in the channels' own units, shape `[recording][sample · channel]`.
     pub fn plain_residuals(&self, point: &Point) -> Result<Vec<Vec<f64>>> {
-        let each = |d: usize| self.plain(d, &point.parameters, &point.nuisances[d], self.sets[d].clock().len());
-        every((0..self.sets.len()).into_par_iter().map(each))
+        let each = |d: usize| self.plain(d, &point.parameters, &point.nuisances[d], self.recordings[d].clock().len());
+        every((0..self.recordings.len()).into_par_iter().map(each))
     }
 
     /// White residuals over the first share `horizon` of each recording.
@@ -221,27 +222,27 @@ impl Joint<'_> {
         wanted: impl Fn(&usize) -> bool,
     ) -> Vec<Columns> {
         let mut part = self.whole();
-        part.places.retain(|place| *place >= which.first && wanted(place));
+        part.columns.retain(|column| *column >= which.first && wanted(column));
         // Flat where refused, so that there is no error.
         jacobian(&Portion { joint: self, part: &part, which }, point, residuals).unwrap_or_default()
     }
 
     fn whole(&self) -> Part {
-        Part { sets: (0..self.sets.len()).collect(), places: (0..self.structure.globals.len()).collect() }
+        Part { recordings: (0..self.recordings.len()).collect(), columns: (0..self.structure.shared.len()).collect() }
     }
 
     /// Recordings and shared parameters that hang together. A parameter that all objects share joins all.
     pub fn parts(&self) -> Vec<Part> {
-        let globals = &self.structure.globals;
-        let objects = self.sets.iter().map(|s| s.object).max().map_or(0, |o| o + 1);
-        if objects < 2 || globals.iter().any(|g| g.object.is_none()) {
+        let shared = &self.structure.shared;
+        let objects = self.recordings.iter().map(|r| r.object).max().map_or(0, |o| o + 1);
+        if objects < 2 || shared.iter().any(|parameter| parameter.object.is_none()) {
             return vec![self.whole()];
         }
         let part = |object: usize| Part {
-            sets: (0..self.sets.len()).filter(|&d| self.sets[d].object == object).collect(),
-            places: (0..globals.len()).filter(|&g| globals[g].object == Some(object)).collect(),
+            recordings: (0..self.recordings.len()).filter(|&d| self.recordings[d].object == object).collect(),
+            columns: (0..shared.len()).filter(|&column| shared[column].object == Some(object)).collect(),
         };
-        (0..objects).map(part).filter(|part| !part.sets.is_empty()).collect()
+        (0..objects).map(part).filter(|part| !part.recordings.is_empty()).collect()
     }
 
     /// Fits from `start`.
@@ -250,14 +251,14 @@ impl Joint<'_> {
     /// Where the simulator refuses the start; a refused step is only shortened.
     pub fn fit(&self, mut start: Point, effort: Effort) -> Result<Outcome> {
         let residuals = self.residuals(&start, effort.horizon).or_else(|_| {
-            (0..self.sets.len()).for_each(|d| self.admit(d, &mut start, effort.horizon));
+            (0..self.recordings.len()).for_each(|d| self.admit(d, &mut start, effort.horizon));
             self.residuals(&start, effort.horizon)
         })?;
         self.fit_from(start, residuals, effort, None)
     }
 
-    /// Where `point` stands, without a step.
-    pub fn stand(&self, point: Point) -> Result<Outcome> {
+    /// The outcome at `point`, without a step.
+    pub fn evaluate(&self, point: Point) -> Result<Outcome> {
         let residuals = self.residuals(&point, 1.0)?;
         self.fit_from(
             point,
@@ -267,21 +268,21 @@ impl Joint<'_> {
         )
     }
 
-    /// Moves the start of a recording that the simulator refuses (a body inside a surface that tilts) to the nearest one
-    /// that it takes, one nuisance parameter at a time.
-    fn admit(&self, d: usize, start: &mut Point, horizon: f64) {
-        let samples = self.samples(d, horizon);
-        let taken = |nuisances: &[f64]| self.plain(d, &start.parameters, nuisances, samples).is_ok();
-        if taken(&start.nuisances[d]) {
+    /// Moves the start of the recording at `index`, if the simulator refuses it (a body inside a surface), to the nearest one
+    /// that the simulator accepts, one nuisance parameter at a time.
+    fn admit(&self, index: usize, start: &mut Point, horizon: f64) {
+        let samples = self.samples(index, horizon);
+        let taken = |nuisances: &[f64]| self.plain(index, &start.parameters, nuisances, samples).is_ok();
+        if taken(&start.nuisances[index]) {
             return;
         }
         for share in MOVES {
-            for (i, unknown) in self.sets[d].prepared.nuisances.iter().enumerate() {
+            for (i, unknown) in self.recordings[index].prepared.nuisances.iter().enumerate() {
                 for direction in [1.0, -1.0] {
-                    let mut nuisances = start.nuisances[d].clone();
+                    let mut nuisances = start.nuisances[index].clone();
                     nuisances[i] = (nuisances[i] + direction * share * unknown.span()).clamp(unknown.min, unknown.max);
                     if taken(&nuisances) {
-                        start.nuisances[d] = nuisances;
+                        start.nuisances[index] = nuisances;
                         return;
                     }
                 }
@@ -304,26 +305,26 @@ impl Joint<'_> {
         let settings = Settings { steps, derivatives, tolerance, ends_measured, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {
-            let residuals = part.sets.iter().map(|&d| residuals[d].clone()).collect();
-            let first = first.map(|all| part.sets.iter().map(|&d| all[d].clone()).collect());
+            let residuals = part.recordings.iter().map(|&d| residuals[d].clone()).collect();
+            let first = first.map(|all| part.recordings.iter().map(|&d| all[d].clone()).collect());
             let portion = Portion { joint: self, part, which: Which { horizon: effort.horizon, ..Which::ALL } };
             minimise(&portion, start.clone(), residuals, first, &settings, &mut |_, _| {})
         };
         let fitted = every(parts.par_iter().map(one))?;
-        let size = self.structure.globals.len();
+        let size = self.structure.shared.len();
         let mut covariance = DMatrix::from_diagonal_element(size, size, f64::INFINITY);
         let mut point = start;
         for (part, fitted) in parts.iter().zip(fitted) {
             let among = fitted.equations.covariance();
-            for (i, &row) in part.places.iter().enumerate() {
+            for (i, &row) in part.columns.iter().enumerate() {
                 point.parameters[row] = fitted.point.parameters[row];
-                for (j, &column) in part.places.iter().enumerate() {
+                for (j, &column) in part.columns.iter().enumerate() {
                     covariance[(row, column)] = among[(i, j)];
                 }
             }
-            for (&d, left) in part.sets.iter().zip(fitted.residuals) {
-                point.nuisances[d].clone_from(&fitted.point.nuisances[d]);
-                residuals[d] = left;
+            for (&recording, left) in part.recordings.iter().zip(fitted.residuals) {
+                point.nuisances[recording].clone_from(&fitted.point.nuisances[recording]);
+                residuals[recording] = left;
             }
         }
         let part = self.whole();

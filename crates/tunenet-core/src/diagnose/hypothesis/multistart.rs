@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
-use crate::diagnose::hypothesis::structure::Structure;
+use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
@@ -23,10 +23,10 @@ pub(in crate::diagnose) const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 
 /// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
 pub(in crate::diagnose) fn radical_inverse(mut number: u32, prime: u32) -> f64 {
-    let (mut place, mut sum) = (1.0, 0.0);
+    let (mut weight, mut sum) = (1.0, 0.0);
     while number > 0 {
-        place /= f64::from(prime);
-        sum += f64::from(number % prime) * place;
+        weight /= f64::from(prime);
+        sum += f64::from(number % prime) * weight;
         number /= prime;
     }
     sum
@@ -52,7 +52,7 @@ impl Tries {
             let early = |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }).map(|f| f.point);
             let first = early(start, HORIZONS[0]);
             if let Ok(point) = &first {
-                let spans = || structure.globals.iter().map(|g| g.parameter.span());
+                let spans = || structure.shared.iter().map(|shared| shared.parameter.span());
                 let same = |other: &Vec<f64>| {
                     other.iter().zip(&point.parameters).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
                 };
@@ -84,8 +84,8 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
     let mut tries = Tries::default();
     tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure)));
     if tries.suspicious()
-        && structure.globals.len() > 1
-        && structure.globals.iter().all(|g| local_estimate(context, g).is_none())
+        && structure.shared.len() > 1
+        && structure.shared.iter().all(|shared| local_estimate(context, shared).is_none())
     {
         tries.fit(&joint, &structure, ranked(&joint, halton_starts(context, &structure)));
     }
@@ -103,66 +103,69 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
 
 /// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points.
 fn halton_starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
-    let nuisances: Vec<Vec<f64>> = context.sets().iter().map(|s| s.prepared.nuisance_values()).collect();
-    let place = |number: u32| {
+    let nuisances: Vec<Vec<f64>> = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
+    let parameters = |number: u32| {
         let primes = PRIMES.iter().copied().cycle();
-        let each = structure.globals.iter().map(|g| &g.parameter).zip(primes);
+        let each = structure.shared.iter().map(|shared| &shared.parameter).zip(primes);
         each.map(|(p, prime)| p.min + radical_inverse(number, prime) * p.span()).collect()
     };
-    (1..=SCATTERED).map(|number| Point { parameters: place(number), nuisances: nuisances.clone() }).collect()
+    (1..=SCATTERED).map(|number| Point { parameters: parameters(number), nuisances: nuisances.clone() }).collect()
 }
 
-/// The starts that simulate, best first; every object has its own order where objects share no shared parameter.
+/// The starts that simulate, best first; every object has its own order where objects have no parameter in common.
 fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
     let rolled: Vec<(Vec<Vec<f64>>, Point)> =
         starts.into_iter().filter_map(|point| Some((joint.residuals(&point, 1.0).ok()?, point))).collect();
     let mut ranked: Vec<Point> = rolled.iter().map(|(_, point)| point.clone()).collect();
     for part in joint.parts() {
         let size = |residuals: &[Vec<f64>]| {
-            let mine: Vec<Vec<f64>> = part.sets.iter().map(|&d| residuals[d].clone()).collect();
+            let mine: Vec<Vec<f64>> = part.recordings.iter().map(|&d| residuals[d].clone()).collect();
             // A robust size: a start that is right for most of the record is a good one.
             spread(&mine)
         };
         let mut order: Vec<(f64, &Point)> = rolled.iter().map(|(r, point)| (size(r), point)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (to, (_, from)) in ranked.iter_mut().zip(order) {
-            part.places.iter().for_each(|&g| to.parameters[g] = from.parameters[g]);
+            part.columns.iter().for_each(|&column| to.parameters[column] = from.parameters[column]);
         }
     }
     ranked
 }
 
-/// As the files have it, as the contacts have it, and spread over the bounds.
+/// Parameters as the files give them, as the events suggest them, and spread over the bounds.
 fn starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
-    let nuisances: Vec<Vec<f64>> = context.sets().iter().map(|s| s.prepared.nuisance_values()).collect();
-    let given: Vec<f64> = structure.globals.iter().map(|g| g.parameter.value).collect();
-    let local: Vec<f64> =
-        structure.globals.iter().map(|g| local_estimate(context, g).unwrap_or(g.parameter.value)).collect();
+    let nuisances: Vec<Vec<f64>> = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
+    let given: Vec<f64> = structure.shared.iter().map(|shared| shared.parameter.value).collect();
+    let local: Vec<f64> = structure
+        .shared
+        .iter()
+        .map(|shared| local_estimate(context, shared).unwrap_or(shared.parameter.value))
+        .collect();
     let mut all = vec![given, local.clone()];
     for share in SPREAD {
-        let spread = structure.globals.iter().zip(&local);
+        let spread = structure.shared.iter().zip(&local);
         all.push(
             spread
-                .map(|(g, local)| match local_estimate(context, g) {
+                .map(|(shared, local)| match local_estimate(context, shared) {
                     Some(_) => *local,
-                    None => g.parameter.min + share * g.parameter.span(),
+                    None => shared.parameter.min + share * shared.parameter.span(),
                 })
                 .collect(),
         );
     }
     all.dedup();
-    all.into_iter().map(|globals| Point { parameters: globals, nuisances: nuisances.clone() }).collect()
+    all.into_iter().map(|parameters| Point { parameters, nuisances: nuisances.clone() }).collect()
 }
 
 /// What the neighbourhood of the events alone says of a parameter.
-fn local_estimate(context: &Context<'_>, global: &crate::diagnose::hypothesis::structure::Global) -> Option<f64> {
-    let object = global.object?;
+fn local_estimate(context: &Context<'_>, shared: &SharedParameter) -> Option<f64> {
+    let object = shared.object?;
     let parameters = context.subjects[object].simulator.parameters();
-    let i = parameters.iter().position(|p| p.name == global.parameter.name)?;
-    let each = || context.sets().iter().filter(|s| s.object == object).filter_map(|s| s.prepared.local[i]);
+    let i = parameters.iter().position(|p| p.name == shared.parameter.name)?;
+    let each = || context.recordings().iter().filter(|r| r.object == object).filter_map(|r| r.prepared.local[i]);
     let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
     let value = each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
-    value.is_finite().then(|| value.clamp(global.parameter.min, global.parameter.max))
+    value.is_finite().then(|| value.clamp(shared.parameter.min, shared.parameter.max))
 }
 
 #[cfg(test)]
@@ -171,7 +174,7 @@ mod tests {
     use crate::diagnose::tests::zoo::in_swings;
 
     #[test]
-    fn scattered_places_are_even_in_every_base() {
+    fn scattered_points_are_even_in_every_base() {
         let first = |prime| [1, 2, 3, 4].map(|number| radical_inverse(number, prime));
         assert_eq!(first(2), [0.5, 0.25, 0.75, 0.125]);
         let thirds = first(3);

@@ -102,7 +102,7 @@ pub(in crate::diagnose) fn out_of_range(
     model: &Hypothesis,
     position: usize,
 ) -> Vec<Option<OutOfRange>> {
-    let recorded = |object: &usize| context.sets().iter().any(|set| set.object == *object);
+    let recorded = |object: &usize| context.recordings().iter().any(|recording| recording.object == *object);
     let objects = (0..context.subjects.len()).filter(recorded);
     objects.map(|object| out_of_range_of(context, model, position, object)).collect()
 }
@@ -110,14 +110,17 @@ pub(in crate::diagnose) fn out_of_range(
 fn out_of_range_of(context: &Context<'_>, model: &Hypothesis, position: usize, object: usize) -> Option<OutOfRange> {
     let spread = (model.deviance(model.scale()) / context.count() as f64).sqrt();
     let effect = &context.catalogue[model.structure.effects[position]].of[object];
-    let globals = &model.structure.globals;
-    let mine =
-        model.structure.of_effect(position).into_iter().filter(|&g| globals[g].object.is_none_or(|o| o == object));
-    mine.into_iter().find_map(|g| {
-        let (value, p) = (model.fit.point.parameters[g], &globals[g].parameter);
-        let k = globals[g].effect.map_or(0, |e| e.1);
+    let shared = &model.structure.shared;
+    let mine = model
+        .structure
+        .of_effect(position)
+        .into_iter()
+        .filter(|&column| shared[column].object.is_none_or(|o| o == object));
+    mine.into_iter().find_map(|column| {
+        let (value, p) = (model.fit.point.parameters[column], &shared[column].parameter);
+        let k = shared[column].effect.map_or(0, |e| e.1);
         let coefficient = &effect.coefficients[k];
-        let slack = 2.0 * spread * model.fit.covariance[(g, g)].max(0.0).sqrt();
+        let slack = 2.0 * spread * model.fit.covariance[(column, column)].max(0.0).sqrt();
         let (low, high) = effect.plausible[k];
         let unphysical = value < low - slack || value > high + slack;
         let at_bound = value != coefficient.absent && (value <= p.min || value >= p.max);
@@ -169,7 +172,7 @@ pub(in crate::diagnose) fn holds_only_required(context: &Context<'_>, model: &Hy
     model.structure.effects.iter().all(|&entry| needs_no_evidence(context, entry))
 }
 
-/// Whether the effect is there without having to earn its place.
+/// Whether the effect is part of every hypothesis, whatever it gains.
 pub(in crate::diagnose) fn needs_no_evidence(context: &Context<'_>, entry: usize) -> bool {
     context.required_first && is_required(context, entry)
 }

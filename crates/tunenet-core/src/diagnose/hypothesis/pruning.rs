@@ -11,7 +11,7 @@ const NEGLIGIBLE: f64 = 0.01;
 /// Mean square of the plain residuals.
 fn mean_square(context: &Context<'_>, model: &Hypothesis) -> Result<f64> {
     let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
-    Ok(rmse(context.sets(), &plain, 0.0).powi(2))
+    Ok(rmse(context.recordings(), &plain, 0.0).powi(2))
 }
 
 /// Removes effects, the least first, as long as what each brought is negligible.
@@ -31,7 +31,7 @@ pub(in crate::diagnose) fn prune<'a>(context: &Context<'a>, found: &mut Selectio
             }
         }
         let Some((_, entry, without)) = least.filter(|(share, ..)| *share < NEGLIGIBLE) else { break };
-        found.places.retain(|place| place.entry != entry);
+        found.selected.retain(|selected| selected.entry != entry);
         found.best = Some(without);
     }
     Ok(())
@@ -51,7 +51,7 @@ mod tests {
             let base = fit_without_effects(context).unwrap();
             let effects = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));
             let best = context.fit_near(&effects, &base).unwrap();
-            let place = |entry| SelectedEffect {
+            let selected = |entry| SelectedEffect {
                 entry,
                 gain: 50.0,
                 p_value: 0.0,
@@ -59,11 +59,11 @@ mod tests {
                 equals: Vec::new(),
                 excluded: None,
             };
-            let places = effects.map(place).to_vec();
-            let mut found = Selection { base, alone: Vec::new(), best: Some(best), places };
+            let selected = effects.map(selected).to_vec();
+            let mut found = Selection { base, alone: Vec::new(), best: Some(best), selected };
             prune(context, &mut found).unwrap();
             assert_eq!(found.best.unwrap().structure.effects, effects[..1]);
-            assert_eq!(found.places.len(), 1);
+            assert_eq!(found.selected.len(), 1);
         });
     }
 }

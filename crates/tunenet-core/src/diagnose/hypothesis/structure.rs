@@ -2,11 +2,11 @@
 
 use crate::Result;
 use crate::diagnose::Subject;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::{Carrier, Entry, carrier};
 use crate::simulator::{Parameter, Simulator};
 
-/// An effect that stands at known values: no coefficient of it is free.
+/// An effect whose coefficients are fixed at known values.
 #[derive(Clone)]
 pub(in crate::diagnose) struct FixedEffect {
     pub entry: Entry,
@@ -23,8 +23,8 @@ impl FixedEffect {
     }
 }
 
-/// A shared parameter that more than one recording may share.
-pub(in crate::diagnose) struct Global {
+/// A parameter that recordings share: a tuned parameter of an object, or a coefficient of an effect.
+pub(in crate::diagnose) struct SharedParameter {
     pub parameter: Parameter,
     /// Whose it is; `None` for a measurement effect, which all objects share.
     pub object: Option<usize>,
@@ -39,55 +39,56 @@ pub(in crate::diagnose) struct Global {
 /// Simulators with the same effects, and the shared parameters of all of them.
 ///
 /// The tuned parameters come first, object by object, then the coefficients, effect by effect; so a structure with one more
-/// effect has the same numbers at the same places.
+/// effect has the same parameters at the same positions. The position of a shared parameter is its column in the Jacobian.
 pub(in crate::diagnose) struct Structure<'a> {
     /// Positions in the catalogue.
     pub effects: Vec<usize>,
     simulators: Vec<Carrier<'a>>,
-    pub globals: Vec<Global>,
+    pub shared: Vec<SharedParameter>,
     /// For each object: the values of all its simulator's parameters.
     values: Vec<Vec<f64>>,
-    /// For each object: which of them are free, as (parameter, global).
-    slots: Vec<Vec<(usize, usize)>>,
+    /// For each object: which of them are free, as (parameter, column).
+    columns: Vec<Vec<(usize, usize)>>,
 }
 
 impl<'a> Structure<'a> {
-    /// The structure with these `effects`; each of `spared`, an effect and an object, stands at absence in that object.
+    /// The structure with these `effects`; for each of `spared`, an effect and an object, the effect is absent in that object.
+    /// `with_random` says whether simulators bring the draws of random effects.
     pub fn new(
         subjects: &[Subject<'a>],
-        sets: &[Set],
+        recordings: &[PreparedRecording],
         catalogue: &[Entry],
         effects: &[usize],
         (given, spared): (&[FixedEffect], &[(usize, usize)]),
-        chance: bool,
+        with_random: bool,
     ) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
-        let scatter = catalogue.iter().filter(|e| chance && e.chance());
+        let random = catalogue.iter().filter(|e| with_random && e.is_random_effect());
         let known = given.iter().map(|g| &g.entry);
-        let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).chain(known).collect();
+        let carried: Vec<&Entry> = entries.iter().copied().chain(random).chain(known).collect();
         let simulators = subjects.iter().map(|s| carrier(s, &carried)).collect::<Result<Vec<_>>>()?;
         let start = |(object, simulator): (usize, &Carrier)| -> Vec<f64> {
-            let stands = |name: &str| given.iter().find_map(|g| g.value(object, name));
-            simulator.parameters().iter().map(|p| stands(&p.name).unwrap_or(p.value)).collect()
+            let fixed_value = |name: &str| given.iter().find_map(|g| g.value(object, name));
+            simulator.parameters().iter().map(|p| fixed_value(&p.name).unwrap_or(p.value)).collect()
         };
         let values = simulators.iter().enumerate().map(start).collect();
         let mut structure = Self {
             effects: effects.to_vec(),
             simulators,
-            globals: Vec::new(),
+            shared: Vec::new(),
             values,
-            slots: vec![Vec::new(); subjects.len()],
+            columns: vec![Vec::new(); subjects.len()],
         };
         for (object, subject) in subjects.iter().enumerate() {
             let parameters = subject.simulator.parameters();
-            let observed = |i: usize| sets.iter().any(|s| s.object == object && s.prepared.silent[i].is_none());
+            let observed = |i: usize| recordings.iter().any(|r| r.object == object && r.prepared.silent[i].is_none());
             for i in (0..parameters.len()).filter(|&i| parameters[i].tune && observed(i)) {
                 let (parameter, object_of) = (parameters[i].clone(), Some(object));
-                let global = Global { parameter, object: object_of, effect: None, absent: None, shape: false };
-                structure.add(global, object);
+                let shared = SharedParameter { parameter, object: object_of, effect: None, absent: None, shape: false };
+                structure.add(shared, object);
             }
         }
-        let present: Vec<usize> = (0..subjects.len()).filter(|&o| sets.iter().any(|s| s.object == o)).collect();
+        let present: Vec<usize> = (0..subjects.len()).filter(|&o| recordings.iter().any(|r| r.object == o)).collect();
         for (position, entry) in entries.iter().enumerate() {
             for (k, coefficient) in entry.of[0].coefficients.iter().enumerate().filter(|(k, _)| entry.seen[*k]) {
                 for &object in present.iter().filter(|&&o| !spared.contains(&(effects[position], o))) {
@@ -97,20 +98,20 @@ impl<'a> Structure<'a> {
                         at: format!("with `{}`", entry.name),
                         message: format!("it has no parameter `{name}`"),
                     })?;
-                    let shared = entry.shared() && object != present[0];
-                    if shared {
-                        let place = structure.globals.len() - 1;
-                        structure.link(&name, object, place);
+                    let is_added = entry.shared() && object != present[0];
+                    if is_added {
+                        let column = structure.shared.len() - 1;
+                        structure.link(&name, object, column);
                         continue;
                     }
-                    let global = Global {
+                    let shared = SharedParameter {
                         parameter,
                         object: (!entry.shared()).then_some(object),
                         effect: Some((position, k)),
                         absent: Some((coefficient.absent, coefficient.typical)),
                         shape: coefficient.shape,
                     };
-                    structure.add(global, object);
+                    structure.add(shared, object);
                 }
             }
         }
@@ -120,10 +121,11 @@ impl<'a> Structure<'a> {
     /// Whether tuned parameters of every object do the same as an effect.
     pub fn repeats(&self, entry: &Entry) -> bool {
         let tuned = |object: usize, name: &str| {
-            let mut own = self.globals.iter().filter(|global| global.effect.is_none() && global.object == Some(object));
-            own.any(|global| global.parameter.name == name)
+            let mut own = self.shared.iter().filter(|shared| shared.effect.is_none() && shared.object == Some(object));
+            own.any(|shared| shared.parameter.name == name)
         };
-        let mut objects = entry.of.iter().enumerate().filter(|(object, _)| !self.slots[*object].is_empty()).peekable();
+        let mut objects =
+            entry.of.iter().enumerate().filter(|(object, _)| !self.columns[*object].is_empty()).peekable();
         objects.peek().is_some()
             && objects.all(|(object, effect)| {
                 let mut seen = effect.repeated_by.iter().zip(&entry.seen).filter(|(_, seen)| **seen).peekable();
@@ -132,10 +134,10 @@ impl<'a> Structure<'a> {
     }
 
     /// The same with every shared parameter fixed at these values.
-    pub fn frozen(mut self, globals: &[f64]) -> Self {
-        self.values = (0..self.values.len()).map(|object| self.parameters(object, globals)).collect();
-        self.slots.iter_mut().for_each(Vec::clear);
-        self.globals.clear();
+    pub fn frozen(mut self, values: &[f64]) -> Self {
+        self.values = (0..self.values.len()).map(|object| self.parameters(object, values)).collect();
+        self.columns.iter_mut().for_each(Vec::clear);
+        self.shared.clear();
         self
     }
 
@@ -145,15 +147,15 @@ impl<'a> Structure<'a> {
         self
     }
 
-    fn add(&mut self, global: Global, object: usize) {
-        let name = global.parameter.name.clone();
-        self.globals.push(global);
-        self.link(&name, object, self.globals.len() - 1);
+    fn add(&mut self, shared: SharedParameter, object: usize) {
+        let name = shared.parameter.name.clone();
+        self.shared.push(shared);
+        self.link(&name, object, self.shared.len() - 1);
     }
 
-    fn link(&mut self, name: &str, object: usize, place: usize) {
+    fn link(&mut self, name: &str, object: usize, column: usize) {
         if let Some(i) = self.simulators[object].parameters().iter().position(|p| p.name == name) {
-            self.slots[object].push((i, place));
+            self.columns[object].push((i, column));
         }
     }
 
@@ -161,29 +163,36 @@ impl<'a> Structure<'a> {
         &*self.simulators[object]
     }
 
-    /// All parameters of an object's simulator with these shared parameters.
-    pub fn parameters(&self, object: usize, globals: &[f64]) -> Vec<f64> {
+    /// All parameters of an object's simulator with these values of the shared parameters.
+    pub fn parameters(&self, object: usize, shared: &[f64]) -> Vec<f64> {
         let mut values = self.values[object].clone();
-        self.slots[object].iter().for_each(|&(i, place)| values[i] = globals[place]);
+        self.columns[object].iter().for_each(|&(i, column)| values[i] = shared[column]);
         values
     }
 
-    /// The shared parameters that an object's recordings touch.
-    pub fn places(&self, object: usize) -> Vec<usize> {
-        self.slots[object].iter().map(|slot| slot.1).collect()
+    /// The columns of the shared parameters on which an object's recordings depend.
+    pub fn columns(&self, object: usize) -> Vec<usize> {
+        self.columns[object].iter().map(|(_, column)| *column).collect()
     }
 
-    /// The shared parameters of the structure's effect at `position`.
+    /// The columns of the shared parameters that belong to the structure's effect at `position`.
     pub fn of_effect(&self, position: usize) -> Vec<usize> {
-        (0..self.globals.len()).filter(|&g| self.globals[g].effect.is_some_and(|(p, _)| p == position)).collect()
+        let own = |&column: &usize| self.shared[column].effect.is_some_and(|(p, _)| p == position);
+        (0..self.shared.len()).filter(own).collect()
     }
 
-    /// The shared parameters where `from` (a structure without the last effects, or with others) leaves them; what it does not
-    /// have stands as in the simulator, absent.
-    pub fn carry(&self, from: &Structure, globals: &[f64]) -> Vec<f64> {
-        let same =
-            |g: &Global| from.globals.iter().position(|f| f.object == g.object && f.parameter.name == g.parameter.name);
-        self.globals.iter().map(|g| same(g).map_or(g.parameter.value, |place| globals[place])).collect()
+    /// Values of the shared parameters from `values`, those of the structure `from` (without the last effects, or with others). A
+    /// parameter that `from` does not have keeps its value in the simulator: its effect is absent.
+    pub fn carry(&self, from: &Structure, values: &[f64]) -> Vec<f64> {
+        let column_in = |shared: &SharedParameter| {
+            let same = |other: &SharedParameter| {
+                other.object == shared.object && other.parameter.name == shared.parameter.name
+            };
+            from.shared.iter().position(same)
+        };
+        let value =
+            |shared: &SharedParameter| column_in(shared).map_or(shared.parameter.value, |column| values[column]);
+        self.shared.iter().map(value).collect()
     }
 }
 
@@ -196,9 +205,9 @@ mod tests {
         in_swings(&[], 2, 0, |context| {
             let (bare, more) =
                 (context.structure(&[]).unwrap(), context.structure(&[entry(context, "rest_angle")]).unwrap());
-            assert_eq!((bare.globals.len(), more.globals.len()), (1, 2));
+            assert_eq!((bare.shared.len(), more.shared.len()), (1, 2));
             assert_eq!(more.carry(&bare, &[1.7]), [1.7, 0.0]);
-            assert_eq!((more.places(0), more.of_effect(0)), (vec![0, 1], vec![1]));
+            assert_eq!((more.columns(0), more.of_effect(0)), (vec![0, 1], vec![1]));
             assert_eq!(more.parameters(0, &[1.7, 0.2]), [1.7, 0.2]);
             let moved = context.structure(&[]).unwrap().with_value(0, 0, 9.0);
             assert_eq!(moved.parameters(0, &[1.7]), [1.7], "a free parameter has its own value");
@@ -207,9 +216,9 @@ mod tests {
                 ..context.clone()
             };
             let without = spared.structure(&[entry(context, "rest_angle")]).unwrap();
-            assert_eq!((without.globals.len(), without.parameters(0, &[1.7])), (1, vec![1.7, 0.0]));
+            assert_eq!((without.shared.len(), without.parameters(0, &[1.7])), (1, vec![1.7, 0.0]));
             let frozen = more.frozen(&[1.7, 0.2]);
-            assert!(frozen.globals.is_empty());
+            assert!(frozen.shared.is_empty());
             assert_eq!(frozen.parameters(0, &[]), [1.7, 0.2]);
         });
     }

@@ -64,7 +64,7 @@ pub(in crate::diagnose) fn is_segmented(context: &Context<'_>) -> bool {
 pub(in crate::diagnose) fn done_already(context: &Context<'_>) -> &'static str {
     if is_segmented(context) {
         "not distinguishable from initial state and parameters in these recordings"
-    } else if context.sets().iter().any(|set| !set.prepared.nuisances.is_empty()) {
+    } else if context.recordings().iter().any(|recording| !recording.prepared.nuisances.is_empty()) {
         "not distinguishable from the parameters and what is fitted of each recording"
     } else {
         "not distinguishable from the parameters in these recordings"

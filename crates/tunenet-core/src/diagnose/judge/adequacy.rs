@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::diagnose::Test;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation::LONGEST_OF_DISCREPANCY;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::recording_scores;
 use crate::estimate::cluster_robust::Score;
@@ -53,9 +53,9 @@ pub(in crate::diagnose) fn is_adequate(context: &Context, model: &Hypothesis) ->
 /// Tests what `model` leaves.
 pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypothesis) -> ResidualDiagnostics {
     let residuals = &model.fit.residuals;
-    let unknowns = model.structure.globals.len() as f64;
+    let unknowns = model.structure.shared.len() as f64;
     let mut tests: Vec<Test> =
-        [portmanteau(context.sets(), residuals), band_power(context.sets(), residuals, unknowns)]
+        [portmanteau(context.recordings(), residuals), band_power(context.recordings(), residuals, unknowns)]
             .into_iter()
             .flatten()
             .collect();
@@ -75,8 +75,8 @@ pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypot
 /// Whether nothing is left but what counting in binary leaves: that has a shape of its own, and nothing is missing in it.
 fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
     let Ok(residuals) = context.joint(&model.structure).plain_residuals(&model.fit.point) else { return false };
-    context.sets().iter().zip(&residuals).all(|(set, residual)| {
-        let largest = set.prepared.seen.values().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    context.recordings().iter().zip(&residuals).all(|(recording, residual)| {
+        let largest = recording.prepared.seen.values().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         residual.iter().all(|r| r.abs() <= ROUNDING * largest)
     })
 }
@@ -88,12 +88,12 @@ fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
         return false;
     }
     let Ok(residuals) = context.joint(&model.structure).plain_residuals(&model.fit.point) else { return false };
-    context.sets().iter().zip(&residuals).all(|(set, residual)| {
-        let width = set.width();
+    context.recordings().iter().zip(&residuals).all(|(recording, residual)| {
+        let width = recording.width();
         (0..width).all(|channel| {
             let squares = residual.iter().skip(channel).step_by(width).map(|r| r * r);
             let rmse = (squares.sum::<f64>() / (residual.len() / width).max(1) as f64).sqrt();
-            is_below_step(&set.prepared.seen, channel, rmse)
+            is_below_step(&recording.prepared.seen, channel, rmse)
         })
     })
 }
@@ -103,18 +103,22 @@ fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
 /// leaves white is not held against it.
 fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let bare = model.structure.effects.is_empty();
-    let tested = |set: &Set| set.driven() && bare || set.prepared.seen.kind() == Kind::EventTimes;
-    if !context.sets().iter().any(tested) {
+    let tested = |recording: &PreparedRecording| {
+        recording.driven() && bare || recording.prepared.seen.kind() == Kind::EventTimes
+    };
+    if !context.recordings().iter().any(tested) {
         return None;
     }
     // Prewhitened residuals of a driven recording would hide how large they are.
     let weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
     let residuals = weighted.as_ref().unwrap_or(&model.fit.residuals);
-    let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
-    let each = context.sets().iter().zip(residuals).filter(|(set, _)| tested(set)).map(|(set, residual)| {
-        let fitted = set.prepared.nuisances.len() + share;
-        Adequacy::of(&set.prepared.seen, &set.noise, residual, (fitted, set.prepared.discrepancy))
-    });
+    let share = model.structure.shared.len().div_ceil(context.recordings().len().max(1));
+    let each = context.recordings().iter().zip(residuals).filter(|(recording, _)| tested(recording)).map(
+        |(recording, residual)| {
+            let fitted = recording.prepared.nuisances.len() + share;
+            Adequacy::of(&recording.prepared.seen, &recording.noise, residual, (fitted, recording.prepared.discrepancy))
+        },
+    );
     let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
     Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
 }
@@ -123,20 +127,20 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
 /// them, after its nuisance parameters (a score test; χ² over the recordings).
 fn heterogeneity(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let scores = recording_scores(context, model);
-    let size = model.structure.globals.len();
+    let size = model.structure.shared.len();
     let mut whole = vec![0.0; size];
     for score in &scores {
-        score.places.iter().enumerate().for_each(|(i, &place)| whole[place] += score.normal[(i, i)]);
+        score.indices.iter().enumerate().for_each(|(i, &index)| whole[index] += score.normal[(i, i)]);
     }
     let (mut chi, mut freedom) = (0.0, 0.0);
-    for Score { places, normal, gradient, .. } in scores {
+    for Score { indices, normal, gradient, .. } in scores {
         // In units in which all recordings together know each number to 1.
-        let unit: Vec<f64> = places.iter().map(|&p| f64::max(whole[p], f64::MIN_POSITIVE).sqrt()).collect();
-        let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| normal[(i, j)] / (unit[i] * unit[j]));
-        if places.is_empty() || scaled.iter().any(|v| !v.is_finite()) {
+        let unit: Vec<f64> = indices.iter().map(|&p| f64::max(whole[p], f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(indices.len(), indices.len(), |i, j| normal[(i, j)] / (unit[i] * unit[j]));
+        if indices.is_empty() || scaled.iter().any(|v| !v.is_finite()) {
             continue;
         }
-        let gradient = DVector::from_fn(places.len(), |i, _| gradient[i] / unit[i]);
+        let gradient = DVector::from_fn(indices.len(), |i, _| gradient[i] / unit[i]);
         let eigen = scaled.symmetric_eigen();
         for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1e-6) {
             chi += eigen.eigenvectors.column(k).dot(&gradient).powi(2) / value;
@@ -165,22 +169,25 @@ fn limit(freedom: f64, practical: f64) -> f64 {
 }
 
 /// The kept values of each channel of each recording, with their instants.
-fn series<'a>(sets: &'a [Set], residuals: &'a [Vec<f64>]) -> impl Iterator<Item = (usize, Vec<f64>, Vec<f64>)> + 'a {
-    sets.iter().zip(residuals).enumerate().flat_map(|(d, (set, residual))| {
-        let width = set.width();
+fn series<'a>(
+    recordings: &'a [PreparedRecording],
+    residuals: &'a [Vec<f64>],
+) -> impl Iterator<Item = (usize, Vec<f64>, Vec<f64>)> + 'a {
+    recordings.iter().zip(residuals).enumerate().flat_map(|(index, (recording, residual))| {
+        let width = recording.width();
         (0..width).filter_map(move |channel| {
-            let places = || (channel..residual.len()).step_by(width).filter(|&i| set.keep[i]);
-            let values: Vec<f64> = places().map(|i| residual[i]).collect();
-            let clock = places().map(|i| set.clock()[i / width]).collect();
-            (values.len() >= 12).then_some((d, clock, values))
+            let counted = || (channel..residual.len()).step_by(width).filter(|&i| recording.keep[i]);
+            let values: Vec<f64> = counted().map(|i| residual[i]).collect();
+            let clock = counted().map(|i| recording.clock()[i / width]).collect();
+            (values.len() >= 12).then_some((index, clock, values))
         })
     })
 }
 
 /// Ljung and Box (1978) over all channels and recordings: `Q = n (n + 2) Σ r_k²/(n − k)`, summed.
-fn portmanteau(sets: &[Set], residuals: &[Vec<f64>]) -> Option<Test> {
+fn portmanteau(recordings: &[PreparedRecording], residuals: &[Vec<f64>]) -> Option<Test> {
     let (mut total, mut freedom) = (0.0, 0.0);
-    for (_, _, values) in series(sets, residuals) {
+    for (_, _, values) in series(recordings, residuals) {
         let n = values.len();
         let lags = LAGS.min(n / LAG_SHARE);
         // Single heavy samples would drown every correlation.
@@ -207,9 +214,9 @@ fn portmanteau(sets: &[Set], residuals: &[Vec<f64>]) -> Option<Test> {
 
 /// Mean power below [`LOW_HZ`] over that between it and [`HIGH_HZ`]; `unknowns` numbers were fitted to all recordings, and
 /// each had its own.
-fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Test> {
+fn band_power(recordings: &[PreparedRecording], residuals: &[Vec<f64>], unknowns: f64) -> Option<Test> {
     let (mut low, mut high, mut low_count, mut high_count) = (0.0, 0.0, 0.0, 0.0);
-    for (_, clock, values) in series(sets, residuals) {
+    for (_, clock, values) in series(recordings, residuals) {
         let n = values.len();
         let duration = (clock[n - 1] - clock[0]) * n as f64 / (n - 1) as f64;
         let nyquist = 0.5 * n as f64 / duration;
@@ -235,7 +242,7 @@ fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Tes
         }
     }
     // The fit has taken its unknowns out of the low band, nearly all.
-    let nuisances: usize = sets.iter().map(|s| s.prepared.nuisances.len()).sum();
+    let nuisances: usize = recordings.iter().map(|r| r.prepared.nuisances.len()).sum();
     let fitted = (0.8 * nuisances as f64 + unknowns).min(0.6 * low_count);
     let (low_freedom, high_freedom) = (low_count - fitted, high_count);
     if low_freedom < 4.0 || high_freedom < 4.0 || high <= 0.0 {

@@ -1,8 +1,8 @@
 //! Cluster-robust intervals (Liang and Zeger 1986): where recordings differ by more than noise.
 //!
-//! The covariance of the fit knows the noise within recordings alone. Where they differ among themselves as well (another
-//! spin, another spot of the table), their scatter is what bounds the answer: each recording is taken for one draw, by the
-//! covariance that is robust to clusters (Liang and Zeger 1986), with Student's quantile for as many draws.
+//! The covariance of the fit knows the noise within recordings alone. Where they differ among themselves as well (another hidden
+//! state, another surface), their scatter is what bounds the answer: each recording counts as one draw, by the covariance that is
+//! robust to clusters (Liang and Zeger 1986), with Student's quantile for as many draws.
 
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::{recording_scores, stretch_scores};
@@ -11,24 +11,24 @@ use crate::statistics::{UPPER_95, student_quantile};
 
 /// Half the 95 % interval of each shared parameter by the scatter between recordings; `None` where fewer than two bear on it.
 pub(in crate::diagnose) fn cluster_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
-    half_widths(&recording_scores(context, model), model.structure.globals.len())
+    half_widths(&recording_scores(context, model), model.structure.shared.len())
 }
 
-/// The same by the scatter between stretches of driven recordings: what a model of an arm leaves (ripple, play, friction that
-/// changes with load) is correlated for seconds.
+/// The same by the scatter between stretches of driven recordings: what a model of a mechanism leaves (ripple, play, friction
+/// that changes with load) is correlated for seconds.
 pub(in crate::diagnose) fn stretch_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
-    half_widths(&stretch_scores(context, model), model.structure.globals.len())
+    half_widths(&stretch_scores(context, model), model.structure.shared.len())
 }
 
 fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
     let ClusterRobust { covariance, clusters, .. } = ClusterRobust::new(scores, size);
-    let half = |place: usize| {
-        let draws = clusters[place] as f64;
+    let half = |index: usize| {
+        let draws = clusters[index] as f64;
         if draws < 1.5 {
             return None;
         }
         let quantile = student_quantile(UPPER_95, draws - 1.0);
-        let variance: f64 = covariance[(place, place)] * draws / (draws - 1.0);
+        let variance: f64 = covariance[(index, index)] * draws / (draws - 1.0);
         (variance > 0.0 && variance.is_finite()).then(|| quantile * variance.sqrt())
     };
     (0..size).map(half).collect()
@@ -45,7 +45,7 @@ mod tests {
     fn the_interval_is_that_of_a_mean_of_recordings() {
         let score = |recording: usize, normal: f64, by: f64| Score {
             cluster: recording,
-            places: vec![0],
+            indices: vec![0],
             normal: DMatrix::from_element(1, 1, normal),
             gradient: DVector::from_element(1, normal * by),
         };

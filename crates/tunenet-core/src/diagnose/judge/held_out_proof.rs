@@ -1,7 +1,8 @@
-//! Held-out proof: of validation recordings only the start is fitted, and their later part is forecast.
+//! Hold-out validation (data splitting, Snee 1977): of held-out recordings only nuisance parameters are fitted, and their later
+//! part is forecast.
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Point};
@@ -25,35 +26,38 @@ pub(in crate::diagnose) struct HeldOut {
 
 /// Judges `model` by the recordings that are held out; `None` where there are none.
 pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Result<Option<HeldOut>> {
-    let sets = &context.evidence.validation[..];
-    if sets.is_empty() {
+    let recordings = &context.evidence.validation[..];
+    if recordings.is_empty() {
         return Ok(None);
     }
     let structure = context.structure(&model.structure.effects)?.frozen(&model.fit.point.parameters);
-    let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
+    let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
     let start =
-        Point { parameters: Vec::new(), nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect() };
+        Point { parameters: Vec::new(), nuisances: recordings.iter().map(|r| r.prepared.nuisance_values()).collect() };
     let early = joint.fit(start, EARLY)?.point;
     let whole = joint.fit(early, FULL)?.point;
     let plain = joint.plain_residuals(&whole)?;
-    let centred: Vec<Set> = sets.iter().zip(&whole.nuisances).map(|(set, found)| centred(set, found)).collect();
-    let ahead = Joint { sets: &centred, ..joint };
+    let each = recordings.iter().zip(&whole.nuisances);
+    let centred: Vec<PreparedRecording> = each.map(|(recording, found)| centred(recording, found)).collect();
+    let ahead = Joint { recordings: &centred, ..joint };
     let known = ahead.fit(whole.clone(), Effort { horizon: KNOWN, ..FULL })?.point;
     let ahead = ahead.plain_residuals(&known)?;
     let mut residuals = plain.clone();
-    for (set, values) in sets.iter().zip(&mut residuals) {
-        let width = set.width();
-        values.iter_mut().enumerate().for_each(|(i, v)| *v = if set.keep[i] { *v / set.noise[i % width] } else { 0.0 });
+    for (recording, values) in recordings.iter().zip(&mut residuals) {
+        let width = recording.width();
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = if recording.keep[i] { *value / recording.noise[i % width] } else { 0.0 };
+        }
     }
-    let (rmse, forecast) = (rmse(sets, &plain, 0.0), rmse(sets, &ahead, KNOWN));
+    let (rmse, forecast) = (rmse(recordings, &plain, 0.0), rmse(recordings, &ahead, KNOWN));
     Ok(Some(HeldOut { rmse, forecast, residuals, nuisances: whole.nuisances }))
 }
 
-/// A recording whose priors are centred on what was `found`: what its start does not show, as the height of a floor before the first
-/// contact, is no forecast of the model. Random effects are, and keep their own.
-fn centred(set: &Set, found: &[f64]) -> Set {
-    let mut centred = set.clone();
-    let random = set.random_draws + usize::from(set.random_parameter.is_some());
+/// A recording whose priors are centred on what was `found`: what its first part does not show, as the height of a surface before
+/// the first event, is no forecast of the model. Draws of random effects are, and keep their own priors.
+fn centred(recording: &PreparedRecording, found: &[f64]) -> PreparedRecording {
+    let mut centred = recording.clone();
+    let random = recording.random_draws + usize::from(recording.random_parameter.is_some());
     let stated = centred.prepared.nuisances.len().saturating_sub(random);
     for (nuisance, found) in centred.prepared.nuisances[..stated].iter_mut().zip(found) {
         nuisance.value = *found;
@@ -63,7 +67,7 @@ fn centred(set: &Set, found: &[f64]) -> Set {
 
 #[cfg(test)]
 mod tests {
-    use super::{Set, centred, validate};
+    use super::{PreparedRecording, centred, validate};
     use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -86,11 +90,12 @@ mod tests {
     #[test]
     fn priors_are_centred_on_what_was_found_but_those_of_random_effects() {
         in_swings(&[], 2, 1, |context| {
-            let set = &context.evidence.validation[0];
-            let found: Vec<f64> = set.prepared.nuisance_values().iter().map(|value| value + 0.25).collect();
-            assert_eq!(centred(set, &found).prepared.nuisance_values(), found);
-            let drawn = centred(&Set { random_draws: 1, ..set.clone() }, &found).prepared.nuisance_values();
-            assert_eq!(drawn.last(), set.prepared.nuisance_values().last());
+            let recording = &context.evidence.validation[0];
+            let found: Vec<f64> = recording.prepared.nuisance_values().iter().map(|value| value + 0.25).collect();
+            assert_eq!(centred(recording, &found).prepared.nuisance_values(), found);
+            let drawn =
+                centred(&PreparedRecording { random_draws: 1, ..recording.clone() }, &found).prepared.nuisance_values();
+            assert_eq!(drawn.last(), recording.prepared.nuisance_values().last());
             assert_eq!(drawn[..drawn.len() - 1], found[..found.len() - 1]);
         });
     }

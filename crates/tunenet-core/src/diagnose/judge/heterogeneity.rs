@@ -1,4 +1,5 @@
-//! Heterogeneity of effects between recordings, as a share of each effect (score test).
+//! Heterogeneity of effects between recordings: Cochran's Q (Cochran 1954) of one-step estimates by their scores, less what noise
+//! alone gives, as a share of the effects.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,13 +11,13 @@ use crate::estimate::cluster_robust::Score;
 const SILENT: f64 = 1e-9;
 
 /// How far each recording alone would move the coefficients of the effects of `model`, as a share of the coefficients
-/// (root of the weighted mean square, what noise alone moves taken off). Something that is only like the effect, a fan
-/// like a wind, is stronger here and weaker there.
+/// (root of the weighted mean square, less what noise alone moves). A cause that only resembles the effect is stronger in some
+/// recordings than in others.
 pub(in crate::diagnose) fn relative_heterogeneity(context: &Context<'_>, model: &Hypothesis) -> f64 {
-    let globals = &model.structure.globals;
-    let size = |place: usize| {
-        let coefficient = globals[place].effect.is_some();
-        coefficient.then(|| model.fit.point.parameters[place] - globals[place].absent.map_or(0.0, |a| a.0))
+    let shared = &model.structure.shared;
+    let size = |index: usize| {
+        let coefficient = shared[index].effect.is_some();
+        coefficient.then(|| model.fit.point.parameters[index] - shared[index].absent.map_or(0.0, |a| a.0))
     };
     share_moved(&recording_scores(context, model), &size, context.effective_fraction().recip())
 }
@@ -26,7 +27,7 @@ fn share_moved(scores: &[Score], size: &dyn Fn(usize) -> Option<f64>, by_noise: 
     let (mut moved, mut whole) = (0.0, 0.0);
     for score in scores {
         let (mine, sizes): (Vec<usize>, Vec<f64>) =
-            score.places.iter().enumerate().filter_map(|(i, &place)| Some((i, size(place)?))).unzip();
+            score.indices.iter().enumerate().filter_map(|(i, &index)| Some((i, size(index)?))).unzip();
         if mine.is_empty() {
             continue;
         }
@@ -52,12 +53,12 @@ mod tests {
     fn the_share_is_the_scatter_over_the_size() {
         let score = |recording: usize, by: f64| Score {
             cluster: recording,
-            places: vec![7, 3],
+            indices: vec![7, 3],
             normal: DMatrix::from_row_slice(2, 2, &[400.0, 0.0, 0.0, 1.0]),
             gradient: DVector::from_row_slice(&[400.0 * by, 50.0]),
         };
         let scores = [score(0, 0.2), score(1, -0.2)];
-        let size = |place: usize| (place == 7).then_some(2.0);
+        let size = |index: usize| (index == 7).then_some(2.0);
         assert!((share_moved(&scores, &size, 0.0) - 0.1).abs() < 1e-12);
         // What noise moves is taken off: 1 of the 16 of each.
         assert!((share_moved(&scores, &size, 1.0) - 0.1 * (15.0f64 / 16.0).sqrt()).abs() < 1e-12);

@@ -2,7 +2,7 @@
 //! recording of the same object can be set aside.
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::Joint;
 
@@ -14,16 +14,17 @@ const EVERY: usize = 3;
 pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hypothesis) -> Result<Option<f64>> {
     let (mut squares, mut samples) = (0.0, 0.0);
     for turn in 0..EVERY {
-        let (shown, judged): (Vec<Set>, Vec<Set>) = context.sets().iter().map(|set| without(set, turn)).unzip();
-        let count: usize = judged.iter().map(Set::count).sum();
+        let split = context.recordings().iter().map(|recording| without(recording, turn));
+        let (shown, judged): (Vec<PreparedRecording>, Vec<PreparedRecording>) = split.unzip();
+        let count: usize = judged.iter().map(PreparedRecording::count).sum();
         if count == 0 {
             continue;
         }
-        let joint = Joint { structure: &model.structure, sets: &shown, rollouts: &context.rollouts };
+        let joint = Joint { structure: &model.structure, recordings: &shown, rollouts: &context.rollouts };
         let point = joint.fit(model.fit.point.clone(), FULL)?.point;
-        for (set, plain) in judged.iter().zip(joint.plain_residuals(&point)?) {
-            let kept = plain.iter().enumerate().filter(|(i, _)| set.keep[*i]);
-            squares += kept.map(|(i, v)| (v / set.noise[i % set.width()]).powi(2)).sum::<f64>();
+        for (recording, plain) in judged.iter().zip(joint.plain_residuals(&point)?) {
+            let kept = plain.iter().enumerate().filter(|(i, _)| recording.keep[*i]);
+            squares += kept.map(|(i, v)| (v / recording.noise[i % recording.width()]).powi(2)).sum::<f64>();
         }
         samples += count as f64;
     }
@@ -31,11 +32,11 @@ pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hyp
 }
 
 /// A recording without the segments of this turn, and with them alone.
-fn without(set: &Set, turn: usize) -> (Set, Set) {
-    let width = set.width();
-    let (mut shown, mut judged) = (set.clone(), set.clone());
-    for (k, t) in set.clock().iter().enumerate() {
-        let segment = set.events.partition_point(|c| c <= t);
+fn without(recording: &PreparedRecording, turn: usize) -> (PreparedRecording, PreparedRecording) {
+    let width = recording.width();
+    let (mut shown, mut judged) = (recording.clone(), recording.clone());
+    for (k, t) in recording.clock().iter().enumerate() {
+        let segment = recording.events.partition_point(|c| c <= t);
         let hide = segment > 0 && segment % EVERY == turn;
         for i in k * width..(k + 1) * width {
             shown.keep[i] &= !hide;
@@ -65,7 +66,7 @@ mod tests {
     fn a_segment_left_out_is_predicted_from_the_others() {
         in_swings(&[], 2, 0, |context| {
             let mut evidence = crate::diagnose::evidence::Evidence::clone(&context.evidence);
-            evidence.training.iter_mut().for_each(|set| set.events = vec![0.5, 1.0, 1.5]);
+            evidence.training.iter_mut().for_each(|recording| recording.events = vec![0.5, 1.0, 1.5]);
             let context = context.with_evidence(evidence);
             let base = fit_without_effects(&context).unwrap();
             let left = leave_segments_out(&context, &base).unwrap().unwrap();

@@ -1,4 +1,4 @@
-//! Whether a hypothesis stands: residual diagnostics, practical significance, validation, verdict.
+//! Judgement of a hypothesis: residual diagnostics, practical significance, hold-out validation, doubts.
 
 pub(in crate::diagnose) mod adequacy;
 pub(in crate::diagnose) mod cluster_robust;

@@ -1,4 +1,4 @@
-//! Negative control: what a wrong effect reaches on recordings that were not fitted, and what the next best do.
+//! Negative control: the held-out residual with a wrong effect, which a right one has to go well below, and with the best candidates.
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::Context;
@@ -12,13 +12,13 @@ const MOST_RATIOS: usize = 3;
 /// A wrong effect on the held-out recordings, the candidate that was fitted and gained least: its name and what it reaches.
 pub(in crate::diagnose) fn negative_control(context: &Context, found: &Selection) -> Result<Option<(Text, f64)>> {
     let named = |entry: usize| {
-        found.places.iter().any(|p| {
+        found.selected.iter().any(|p| {
             p.entry == entry
                 || p.equals.contains(&entry)
                 || p.others.iter().any(|(other, gap)| *other == entry && *gap < context.settings.margin)
         })
     };
-    let wrong = found.alone.iter().rev().find(|t| t.excluded.is_none() && !named(t.entry));
+    let wrong = found.alone.iter().rev().find(|c| c.excluded.is_none() && !named(c.entry));
     let (Some(wrong), false) = (wrong, context.evidence.validation.is_empty()) else { return Ok(None) };
     let model = context.fit_near(&[wrong.entry], &found.base)?;
     Ok(validate(context, &model)?.map(|reached| (context.catalogue[wrong.entry].name.clone(), reached.rmse)))
@@ -31,7 +31,7 @@ pub(in crate::diagnose) fn ratios(
     before: Option<&HeldOut>,
 ) -> Result<Vec<(usize, f64)>> {
     let (Some(before), Some(_)) = (before, &found.best) else { return Ok(Vec::new()) };
-    let fitted = found.alone.iter().filter_map(|t| t.model.as_ref().map(|model| (t.entry, model)));
+    let fitted = found.alone.iter().filter_map(|c| c.model.as_ref().map(|model| (c.entry, model)));
     let ratio =
         |(entry, model)| Ok(validate(context, model)?.map(|reached: HeldOut| (entry, reached.rmse / before.rmse)));
     fitted.take(MOST_RATIOS).filter_map(|one| ratio(one).transpose()).collect()

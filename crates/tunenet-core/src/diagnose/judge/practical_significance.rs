@@ -5,7 +5,7 @@
 
 use crate::Result;
 use crate::diagnose::Test;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
@@ -70,7 +70,7 @@ pub(in crate::diagnose) fn practical_tests(
 fn left_over_taken_away(context: &Context, (base, best): (&Hypothesis, &Hypothesis), floor: f64) -> Result<f64> {
     let square = |model: &Hypothesis| -> Result<f64> {
         let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        Ok(rmse(context.sets(), &plain, 0.0).powi(2))
+        Ok(rmse(context.recordings(), &plain, 0.0).powi(2))
     };
     let (before, after) = (square(base)?, square(best)?);
     Ok((after - floor).max(0.0) / (before - after).max(f64::MIN_POSITIVE))
@@ -86,13 +86,13 @@ pub(in crate::diagnose) fn leaves_too_much(context: &Context<'_>, found: &Select
 }
 
 /// The noise of these recordings as a mean square of plain residuals.
-pub(in crate::diagnose) fn noise_floor(sets: &[Set]) -> f64 {
+pub(in crate::diagnose) fn noise_floor(recordings: &[PreparedRecording]) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
-    for set in sets {
-        let (yardsticks, width) = (set.yardsticks(), set.width());
-        let kept = set.keep.iter().enumerate().filter(|(_, keep)| **keep);
-        squares += kept.map(|(i, _)| (set.noise[i % width] / yardsticks[i % width]).powi(2)).sum::<f64>();
-        samples += set.count() as f64 / set.values_per_sample();
+    for recording in recordings {
+        let (yardsticks, width) = (recording.yardsticks(), recording.width());
+        let kept = recording.keep.iter().enumerate().filter(|(_, keep)| **keep);
+        squares += kept.map(|(i, _)| (recording.noise[i % width] / yardsticks[i % width]).powi(2)).sum::<f64>();
+        samples += recording.count() as f64 / recording.values_per_sample();
     }
     squares / f64::max(samples, 1.0)
 }
@@ -113,7 +113,7 @@ mod tests {
             let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let reach = |model| validate(context, model).unwrap().unwrap();
             let (before, after) = (reach(&found.base), reach(found.best.as_ref().unwrap()));
-            let floors = (noise_floor(context.sets()), noise_floor(&context.evidence.validation));
+            let floors = (noise_floor(context.recordings()), noise_floor(&context.evidence.validation));
             assert!((floors.0.sqrt() / NOISE_RAD - 1.0).abs() < 0.2, "{floors:?}");
             let tests = practical_tests(context, &found, floors, Some((&before, &after)), None).unwrap();
             assert!(tests.len() == 3 && tests.iter().all(|t| t.passed), "{tests:?}");

@@ -1,49 +1,51 @@
-//! Random effect of contacts (Laird and Ware 1982): every contact turned by its own small tilt.
+//! Random effect of events (Laird and Ware 1982): every event has draws of its own from one normal distribution.
 //!
-//! No coefficient rolls it out. A recording brings the tilt of each contact as nuisance parameters, all drawn from one normal
-//! distribution whose standard deviation is the coefficient (a random effect, Laird and Ware 1982). It can imitate much,
-//! so it is tried last.
+//! The draws of a recording's events are nuisance parameters of the recording. The coefficient of the effect is their standard
+//! deviation, on which no rollout depends. A random effect can imitate much, so it is tried last.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::carrier;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
+use crate::diagnose::hypothesis::context::{Context, EventEffects, Hypothesis};
 use crate::diagnose::hypothesis::joint::Which;
 use crate::estimate::information_criterion::p_value;
 use crate::estimate::projection::Projector;
 use crate::simulator::{Parameter, Preparation, Simulator, predict};
 use crate::statistics::dot;
 
-/// Step of a tilt for its derivative, rad.
-const STEP_RAD: f64 = 1e-4;
-/// Standard deviations that are tried, rad: a grid by this factor.
-const LEAST_RAD: f64 = 1e-4;
-const GREATEST_RAD: f64 = 0.5;
+/// Step of a draw for its derivative, in the unit of the draws: rad, or one in which they are as small next to 1.
+const STEP: f64 = 1e-4;
+/// Least and greatest standard deviation that is tried, in the same unit, and the ratio of one to the next.
+const LEAST_SD: f64 = 1e-4;
+const GREATEST_SD: f64 = 0.5;
 const FACTOR: f64 = 1.15;
 
-/// What chance at contacts would explain.
+/// What a random effect of events explains.
 #[derive(Debug, Clone)]
-pub(in crate::diagnose) struct RandomTiltFit {
+pub(in crate::diagnose) struct EventEffectFit {
     /// Gain of the information criterion.
     pub gain: f64,
     /// Probability of that by chance of the noise, all candidates counted.
     pub p_value: f64,
-    /// Standard deviation of a tilt, rad.
+    /// Standard deviation of a draw, in the unit of the draws.
     pub sd: f64,
-    /// The tilts of each recording.
-    pub unknowns: Vec<Vec<Parameter>>,
+    /// The draws of each recording.
+    pub draws: Vec<Vec<Parameter>>,
 }
 
-/// What random tilts add to `model`: the gain in marginal likelihood, the tilts integrated out.
+/// What a random effect of events adds to `model`: the gain in marginal likelihood, the draws integrated out.
 ///
-/// With residuals r of which the model's nuisance parameters and shared parameters are projected out, and the tilts' projected
+/// With residuals r of which the model's nuisance parameters and shared parameters are projected out, and the draws' projected
 /// columns H, r ~ N(0, v (I + s H Hᵀ)); the variance v is profiled, s found on a grid.
-pub(in crate::diagnose) fn random_tilts(context: &Context<'_>, model: &Hypothesis) -> Result<Option<RandomTiltFit>> {
-    let Some(chance) = context.chance_entry() else { return Ok(None) };
-    let entries: Vec<_> = model.structure.effects.iter().map(|&e| &context.catalogue[e]).chain([chance]).collect();
+pub(in crate::diagnose) fn fit_event_effects(
+    context: &Context<'_>,
+    model: &Hypothesis,
+) -> Result<Option<EventEffectFit>> {
+    let Some(random) = context.random_effect_entry() else { return Ok(None) };
+    let entries: Vec<_> = model.structure.effects.iter().map(|&e| &context.catalogue[e]).chain([random]).collect();
     let mut carriers = Vec::new();
     for subject in context.subjects {
         carriers.push(carrier(subject, &entries)?);
@@ -52,77 +54,79 @@ pub(in crate::diagnose) fn random_tilts(context: &Context<'_>, model: &Hypothesi
     let residuals = &model.fit.residuals;
     let columns = joint.columns(&model.fit.point, residuals, Which::ALL);
     let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
-    let projector = Projector::new(&columns, &lengths, model.structure.globals.len());
+    let projector = Projector::new(&columns, &lengths, model.structure.shared.len());
     let mut left = residuals.concat();
     projector.project(&mut left);
     let total = left.len();
-    let (mut stacked, mut unknowns, mut begin) = (Vec::new(), Vec::new(), 0);
-    for (d, set) in context.sets().iter().enumerate() {
-        let simulator = &*carriers[set.object];
-        let tilts = tilts(simulator, set)?;
-        let base = model.structure.parameters(set.object, &model.fit.point.parameters);
-        let names = model.structure.simulator(set.object).parameters();
-        // The coefficient of chance itself stays at its absent value.
+    let (mut stacked, mut all_draws, mut begin) = (Vec::new(), Vec::new(), 0);
+    for (index, recording) in context.recordings().iter().enumerate() {
+        let simulator = &*carriers[recording.object];
+        let draws = draws(simulator, recording)?;
+        let base = model.structure.parameters(recording.object, &model.fit.point.parameters);
+        let names = model.structure.simulator(recording.object).parameters();
+        // The coefficient of the random effect itself keeps its absent value.
         let parameters: Vec<f64> = simulator
             .parameters()
             .iter()
             .map(|p| names.iter().position(|n| n.name == p.name).map_or(p.value, |i| base[i]))
             .collect();
-        let nuisances = |tilted: Option<usize>| -> Vec<f64> {
-            let tilts = (0..tilts.len()).map(|k| if tilted == Some(k) { STEP_RAD } else { 0.0 });
-            model.fit.point.nuisances[d].iter().copied().chain(tilts).collect()
+        let nuisances = |moved: Option<usize>| -> Vec<f64> {
+            let draws = (0..draws.len()).map(|k| if moved == Some(k) { STEP } else { 0.0 });
+            model.fit.point.nuisances[index].iter().copied().chain(draws).collect()
         };
         context.rollouts.spend()?;
-        let straight = predict(simulator, &set.prepared, &parameters, &nuisances(None), set.clock())?;
-        for k in 0..tilts.len() {
+        let unmoved = predict(simulator, &recording.prepared, &parameters, &nuisances(None), recording.clock())?;
+        for k in 0..draws.len() {
             context.rollouts.spend()?;
-            let tilted = predict(simulator, &set.prepared, &parameters, &nuisances(Some(k)), set.clock())?;
-            let mut change: Vec<f64> = straight.iter().zip(&tilted).map(|(a, b)| (a - b) / STEP_RAD).collect();
-            set.filter.apply(&mut change);
+            let moved = predict(simulator, &recording.prepared, &parameters, &nuisances(Some(k)), recording.clock())?;
+            let mut change: Vec<f64> = unmoved.iter().zip(&moved).map(|(a, b)| (a - b) / STEP).collect();
+            recording.filter.apply(&mut change);
             let mut column = vec![0.0; total];
             column[begin..begin + change.len()].copy_from_slice(&change);
             projector.project(&mut column);
             stacked.push(column);
         }
-        begin += lengths[d];
-        unknowns.push(tilts);
+        begin += lengths[index];
+        all_draws.push(draws);
     }
     if stacked.is_empty() {
         return Ok(None);
     }
     let (likelihood, sd) = random_effect(&stacked, &left, context.count());
     let gain = likelihood - (context.count() as f64).ln();
-    // Half of the chance lies on the bound at which there is no scatter.
+    // Half of the probability lies on the bound, where the standard deviation is 0.
     let p_value = (0.5 * p_value(likelihood, 1) * context.catalogue.len() as f64).min(1.0);
-    Ok(Some(RandomTiltFit { gain, p_value, sd, unknowns }))
+    Ok(Some(EventEffectFit { gain, p_value, sd, draws: all_draws }))
 }
 
-/// The context in which every recording has these tilts as nuisance parameters, drawn towards 0 by their standard deviation.
+/// The context in which every recording has these draws as nuisance parameters, with a prior of mean 0 and their standard deviation.
 ///
 /// # Errors
 /// Where a held-out recording cannot be prepared.
-pub(in crate::diagnose) fn admit<'a>(context: &Context<'a>, scatter: &RandomTiltFit) -> Result<Context<'a>> {
-    let entries: Vec<_> = context.chance_entry().into_iter().collect();
+pub(in crate::diagnose) fn admit<'a>(context: &Context<'a>, effects: &EventEffectFit) -> Result<Context<'a>> {
+    let entries: Vec<_> = context.random_effect_entry().into_iter().collect();
     let mut evidence = Evidence::clone(&context.evidence);
-    for set in &mut evidence.validation {
-        let tilts = tilts(&*carrier(&context.subjects[set.object], &entries)?, set)?;
-        set.random_draws = tilts.len();
-        set.prior_sd.extend(tilts.iter().map(|_| scatter.sd));
-        set.prepared.nuisances.extend(tilts);
+    for recording in &mut evidence.validation {
+        let draws = draws(&*carrier(&context.subjects[recording.object], &entries)?, recording)?;
+        recording.random_draws = draws.len();
+        recording.prior_sd.extend(draws.iter().map(|_| effects.sd));
+        recording.prepared.nuisances.extend(draws);
     }
-    for (set, tilts) in evidence.training.iter_mut().zip(&scatter.unknowns) {
-        set.random_draws = tilts.len();
-        set.prior_sd.extend(tilts.iter().map(|_| scatter.sd));
-        set.prepared.nuisances.extend(tilts.iter().cloned());
+    for (recording, draws) in evidence.training.iter_mut().zip(&effects.draws) {
+        recording.random_draws = draws.len();
+        recording.prior_sd.extend(draws.iter().map(|_| effects.sd));
+        recording.prepared.nuisances.extend(draws.iter().cloned());
     }
-    let count = scatter.unknowns.iter().map(Vec::len).sum();
-    Ok(Context { random_tilts: Some(RandomTilts { sd_rad: scatter.sd, count }), ..context.with_evidence(evidence) })
+    let count = effects.draws.iter().map(Vec::len).sum();
+    Ok(Context { event_effects: Some(EventEffects { sd: effects.sd, count }), ..context.with_evidence(evidence) })
 }
 
-/// The tilts that a recording brings to a simulator that scatters.
-fn tilts(simulator: &dyn Simulator, set: &Set) -> Result<Vec<Parameter>> {
-    Ok(match simulator.prepare(&set.prepared.seen)? {
-        Preparation::Usable(prepared) => prepared.nuisances.into_iter().skip(set.prepared.nuisances.len()).collect(),
+/// The draws of a recording: the nuisance parameters that a simulator with the random effect adds.
+fn draws(simulator: &dyn Simulator, recording: &PreparedRecording) -> Result<Vec<Parameter>> {
+    Ok(match simulator.prepare(&recording.prepared.seen)? {
+        Preparation::Usable(prepared) => {
+            prepared.nuisances.into_iter().skip(recording.prepared.nuisances.len()).collect()
+        }
         Preparation::Rejected(_) => Vec::new(),
     })
 }
@@ -147,8 +151,8 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64)
         .filter(|(_, lambda)| **lambda > 1e-9)
         .map(|(k, lambda)| (*lambda, eigen.eigenvectors.column(k).dot(&right).powi(2) / lambda))
         .collect();
-    let (mut best, mut best_sd, mut sd) = (0.0, 0.0, LEAST_RAD);
-    while sd < GREATEST_RAD {
+    let (mut best, mut best_sd, mut sd) = (0.0, 0.0, LEAST_SD);
+    while sd < GREATEST_SD {
         let (mut explained, mut width) = (0.0, 0.0);
         for (lambda, square) in &directions {
             let inflated = sd * sd * lambda;
@@ -166,7 +170,7 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64)
 
 #[cfg(test)]
 mod tests {
-    use super::{random_effect, random_tilts};
+    use super::{fit_event_effects, random_effect};
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::in_swings;
     use rand::{Rng, SeedableRng};
@@ -187,10 +191,10 @@ mod tests {
     }
 
     #[test]
-    fn what_knows_no_contacts_has_no_tilts() {
+    fn without_events_there_are_no_draws() {
         in_swings(&[], 1, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            assert!(random_tilts(context, &base).unwrap().is_none());
+            assert!(fit_event_effects(context, &base).unwrap().is_none());
         });
     }
 }

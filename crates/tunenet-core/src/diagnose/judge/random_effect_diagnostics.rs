@@ -1,25 +1,25 @@
 //! Randomisation test (Fisher 1935) of the draws of a random effect: whether they are drawn at random.
 //!
-//! A random effect per contact can imitate any force that acts at contacts: one that pushes a whole recording to one side, or along
-//! its motion. True draws are symmetric about 0 and know neither their recording nor the motion, so that turning the sign of any
-//! of them changes nothing that is to be expected of their sums.
+//! A random effect of events can imitate any force that acts at events: one that pushes a whole recording to one side, or along its
+//! motion. True draws are symmetric about 0 and depend neither on their recording nor on the motion, so that a change of the sign
+//! of any of them does not change the distribution of their sums.
 
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::held_out_proof::HeldOut;
 
-/// Random turns of signs.
+/// Random changes of signs.
 const TURNS: u32 = 4000;
-/// Samples before a contact between which its velocity is taken.
+/// Samples before an event between which its velocity is taken.
 const STEPS: usize = 3;
 
 /// One draw of a random effect.
 #[derive(Debug, Clone, PartialEq)]
 struct Draw {
-    /// Its recording, the held-out ones counted on.
+    /// The number of its recording; held-out ones follow those that are fitted.
     recording: usize,
     /// Its two components.
     value: [f64; 2],
@@ -33,33 +33,33 @@ pub(in crate::diagnose) fn p_value_of_draws(context: &Context, model: &Hypothesi
     let training = (&context.evidence.training, &model.fit.point.nuisances);
     let validation = held_out.map(|held_out| (&context.evidence.validation, &held_out.nuisances));
     let mut draws = Vec::new();
-    let mut recording = 0;
-    for (sets, nuisances) in [Some(training), validation].into_iter().flatten() {
-        for (set, nuisances) in sets.iter().zip(nuisances) {
-            let each = pairs(set, nuisances).into_iter().zip(velocities(set));
-            draws.extend(each.map(|(value, velocity)| Draw { recording, value, velocity }));
-            recording += 1;
+    let mut number = 0;
+    for (recordings, nuisances) in [Some(training), validation].into_iter().flatten() {
+        for (recording, nuisances) in recordings.iter().zip(nuisances) {
+            let each = pairs(recording, nuisances).into_iter().zip(velocities(recording));
+            draws.extend(each.map(|(value, velocity)| Draw { recording: number, value, velocity }));
+            number += 1;
         }
     }
     p_value(&draws, context.settings.seed)
 }
 
 /// The draws of one recording: its last nuisance parameters, two to each event.
-fn pairs(set: &Set, nuisances: &[f64]) -> Vec<[f64; 2]> {
-    let first = nuisances.len().saturating_sub(set.random_draws);
+fn pairs(recording: &PreparedRecording, nuisances: &[f64]) -> Vec<[f64; 2]> {
+    let first = nuisances.len().saturating_sub(recording.random_draws);
     nuisances[first..].chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
 /// The velocity right before each event.
-fn velocities(set: &Set) -> Vec<Vec<f64>> {
-    let (seen, clock) = (&set.prepared.seen, set.clock());
+fn velocities(recording: &PreparedRecording) -> Vec<Vec<f64>> {
+    let (seen, clock) = (&recording.prepared.seen, recording.clock());
     let one = |event: &f64| -> Vec<f64> {
         let last = clock.partition_point(|t| t < event).clamp(1, clock.len() - 1) - 1;
         let (first, last) = (last.saturating_sub(STEPS), last.max(1));
         let dt = clock[last] - clock[first];
         seen.row(last).iter().zip(seen.row(first)).map(|(b, a)| (b - a) / dt).collect()
     };
-    set.events.iter().map(one).collect()
+    recording.events.iter().map(one).collect()
 }
 
 /// The lesser of two probabilities, doubled: that the squared sums over recordings, or those along the motion, are as large by
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use rand_distr::StandardNormal;
 
-    /// Five recordings of four contacts each, whose draws are `of` their recording, their velocity and two normal numbers.
+    /// Five recordings of four events each, whose draws are `of` their recording, their velocity and two normal numbers.
     fn drawn(seed: u64, of: impl Fn(usize, &[f64], [f64; 2]) -> [f64; 2]) -> f64 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let draws: Vec<Draw> = (0..20)

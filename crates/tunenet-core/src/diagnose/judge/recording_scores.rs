@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::Which;
 use crate::estimate::cluster_robust::{Score, stretches};
@@ -13,7 +13,7 @@ use crate::statistics::{NORMAL_95, dot};
 
 /// Derivatives of one recording's white residuals by the shared parameters, its nuisance parameters projected out.
 struct Reduced {
-    places: Vec<usize>,
+    indices: Vec<usize>,
     columns: Vec<Vec<f64>>,
     nuisances: Vec<Vec<f64>>,
 }
@@ -26,7 +26,7 @@ fn reduced(context: &Context<'_>, model: &Hypothesis) -> Vec<Reduced> {
         for column in &mut columns {
             project(&nuisances, column);
         }
-        Reduced { places: one.places, columns, nuisances }
+        Reduced { indices: one.indices, columns, nuisances }
     };
     columns.into_iter().map(one).collect()
 }
@@ -42,10 +42,10 @@ fn project(directions: &[Vec<f64>], column: &mut [f64]) {
 
 /// The scores of all recordings at `model`.
 pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
-    let all = context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals);
-    let one = |((set, one), residual): ((&Set, Reduced), &Vec<f64>)| {
+    let all = context.recordings().iter().zip(reduced(context, model)).zip(&model.fit.residuals);
+    let one = |((recording, one), residual): ((&PreparedRecording, Reduced), &Vec<f64>)| {
         let columns: Vec<&[f64]> = one.columns.iter().map(Vec::as_slice).collect();
-        Score::new(set.recording, &one.places, &columns, residual)
+        Score::new(recording.index, &one.indices, &columns, residual)
     };
     all.map(one).collect()
 }
@@ -53,10 +53,12 @@ pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypot
 /// The same of stretches of the recordings, numbered through.
 pub(in crate::diagnose) fn stretch_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
     let mut scores = Vec::new();
-    for ((set, one), residual) in context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals) {
-        for range in stretches(residual.len(), set.width()) {
+    for ((recording, one), residual) in
+        context.recordings().iter().zip(reduced(context, model)).zip(&model.fit.residuals)
+    {
+        for range in stretches(residual.len(), recording.width()) {
             let columns: Vec<&[f64]> = one.columns.iter().map(|c| &c[range.clone()]).collect();
-            scores.push(Score::new(scores.len(), &one.places, &columns, &residual[range]));
+            scores.push(Score::new(scores.len(), &one.indices, &columns, &residual[range]));
         }
     }
     scores
@@ -68,7 +70,8 @@ pub(in crate::diagnose) fn stretch_scores(context: &Context<'_>, model: &Hypothe
 /// # Errors
 /// Where the simulator refuses.
 pub(in crate::diagnose) fn calibration_moves(context: &Context<'_>, model: &Hypothesis) -> Result<Vec<Vec<f64>>> {
-    let objects = (0..context.subjects.len()).filter(|&o| context.sets().iter().any(|set| set.object == o));
+    let objects =
+        (0..context.subjects.len()).filter(|&o| context.recordings().iter().any(|recording| recording.object == o));
     let uncertain: Vec<(usize, usize, f64)> = objects
         .flat_map(|object| {
             let all = context.subjects[object].simulator.parameters().iter().enumerate().filter(|(_, p)| !p.tune);
@@ -86,12 +89,12 @@ pub(in crate::diagnose) fn calibration_moves(context: &Context<'_>, model: &Hypo
     let one = |(object, i, value): (usize, usize, f64)| -> Result<Vec<f64>> {
         let structure = context.structure(&model.structure.effects)?.with_value(object, i, value);
         let there = context.joint(&structure).residuals(&model.fit.point, 1.0)?;
-        let mut right = DVector::zeros(model.structure.globals.len());
+        let mut right = DVector::zeros(model.structure.shared.len());
         for ((moved, here), one) in there.into_iter().zip(&model.fit.residuals).zip(&reduced) {
             let mut column: Vec<f64> = moved.iter().zip(here).map(|(a, b)| a - b).collect();
             project(&one.nuisances, &mut column);
-            for (&place, shared) in one.places.iter().zip(&one.columns) {
-                right[place] += dot(shared, &column);
+            for (&index, shared) in one.indices.iter().zip(&one.columns) {
+                right[index] += dot(shared, &column);
             }
         }
         let finite = model.fit.covariance.map(|v| if v.is_finite() { v } else { 0.0 });
@@ -115,10 +118,10 @@ mod tests {
         in_levers(&levers, &[], |context| {
             let base = fit_without_effects(context).unwrap();
             let moves = calibration_moves(context, &base).unwrap();
-            let known = context.sets()[0].prepared.circumstances.clone().unwrap();
+            let known = context.recordings()[0].prepared.circumstances.clone().unwrap();
             let input = known.inputs[0].series();
             let (mut product, mut square) = (0.0, 0.0);
-            for k in 0..context.sets()[0].clock().len() {
+            for k in 0..context.recordings()[0].clock().len() {
                 let row = input.row(k);
                 product += row[2] * row[0].cos();
                 square += row[2] * row[2];

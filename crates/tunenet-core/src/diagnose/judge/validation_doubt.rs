@@ -20,14 +20,14 @@ use crate::statistics::NORMAL_95;
 const HELD_OUT_OVER_FITTED: f64 = 1.2;
 
 /// The same of things that are not expected to be explained down to their noise, whose held-out recordings are of other setups: real
-/// joints leave 1.1 times as much there, and an effect that stands for a wrong load 10 times.
+/// joints leave 1.1 times as much there, and an effect that imitates a wrong load 10 times.
 const OTHER_SETUPS_OVER_FITTED: f64 = 1.5;
 
 /// Draws that are less probable than this as random ones are not.
 const DRAWS_SIGNIFICANCE: f64 = 0.01;
 
-/// A random effect at contacts, and each of several effects, is no name where it gains less than this many times the margin: it can
-/// imitate what something else leaves, and true ones gain by the hundred.
+/// A random effect of events, and each of several effects, is not named alone where it gains less than this many times the margin:
+/// it can imitate what something else leaves, and true ones gain hundreds.
 const CLEAR_MARGIN: f64 = 5.0;
 
 /// What wrong values of the simulation leave beyond the noise: at least this many times its root mean square.
@@ -73,7 +73,7 @@ pub enum Doubt {
     ParameterDiffers(String),
     /// A single motion shows them; in words.
     SingleMotion(&'static str),
-    /// No recording that was not fitted bears them out.
+    /// No held-out recording confirms them.
     Unconfirmed,
 }
 
@@ -118,7 +118,7 @@ impl fmt::Display for Doubt {
             }
             Self::ParameterDiffers(name) => return write!(f, "{name} differs between recordings too"),
             Self::SingleMotion(words) => words,
-            Self::Unconfirmed => "no recording that was not fitted bears it out",
+            Self::Unconfirmed => "no held-out recording confirms it",
         };
         f.write_str(text)
     }
@@ -156,10 +156,10 @@ pub(in crate::diagnose) fn validation_doubt(
     if practical && context.evidence.discrepancy() {
         return None;
     }
-    if found.places.iter().all(|place| is_required(context, place.entry)) {
+    if found.selected.iter().all(|selected| is_required(context, selected.entry)) {
         return None;
     }
-    if let Some(rival) = found.places.iter().find_map(|place| place.excluded.clone()) {
+    if let Some(rival) = found.selected.iter().find_map(|selected| selected.excluded.clone()) {
         return Some(Doubt::ExcludedExplainsMore(rival));
     }
     if let Some(own) = unphysical_alone(found, best) {
@@ -168,45 +168,45 @@ pub(in crate::diagnose) fn validation_doubt(
     if practical {
         return Some(Doubt::DiscrepancyRemains);
     }
-    let weak =
-        |p: &SelectedEffect| context.catalogue[p.entry].chance() && p.gain < CLEAR_MARGIN * context.settings.margin;
-    if found.places.iter().any(weak) {
+    let clear = CLEAR_MARGIN * context.settings.margin;
+    let is_random = |selected: &SelectedEffect| context.catalogue[selected.entry].is_random_effect();
+    if found.selected.iter().any(|selected| is_random(selected) && selected.gain < clear) {
         return Some(Doubt::RandomAndWeak);
     }
-    let effects = found.places.len();
-    if effects >= MANY_EFFECTS && context.sets().len() < RECORDINGS_FOR_EACH * effects {
+    let effects = found.selected.len();
+    if effects >= MANY_EFFECTS && context.recordings().len() < RECORDINGS_FOR_EACH * effects {
         return Some(Doubt::ManyEffects);
     }
-    let weak = |p: &&SelectedEffect| p.gain < CLEAR_MARGIN * context.settings.margin && !is_required(context, p.entry);
-    if let Some(weak) = found.places.iter().find(weak).filter(|_| effects > 1) {
+    let weak = |selected: &&SelectedEffect| selected.gain < clear && !is_required(context, selected.entry);
+    if let Some(weak) = found.selected.iter().find(weak).filter(|_| effects > 1) {
         return Some(Doubt::Weak(context.catalogue[weak.entry].name.clone()));
     }
     if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
         return Some(Doubt::DrawsNotRandom);
     }
-    let share = |place: &&SelectedEffect| context.catalogue[place.entry].of[0].forecast_share;
-    let (random, others): (Vec<_>, Vec<_>) = found.places.iter().partition(|p| context.catalogue[p.entry].chance());
+    let share = |selected: &&SelectedEffect| context.catalogue[selected.entry].of[0].forecast_share;
+    let (random, others): (Vec<_>, Vec<_>) = found.selected.iter().partition(|selected| is_random(selected));
     // A random effect next to others takes up what they leave, and so hides that they are not the right ones.
     let share = if random.is_empty() || others.is_empty() {
-        found.places.iter().map(|place| share(&place)).fold(0.0, f64::max)
+        found.selected.iter().map(|selected| share(&selected)).fold(0.0, f64::max)
     } else {
         others.iter().map(share).fold(f64::INFINITY, f64::min)
     };
-    forecast_doubt((before?, after?), fitted, share, context.sets().len())
+    forecast_doubt((before?, after?), fitted, share, context.recordings().len())
 }
 
 /// An effect that was excluded alone for its coefficient, which next to others still lies outside its physical bounds and is
 /// admitted only because it is less certain there.
 fn unphysical_alone(found: &Selection, best: &Hypothesis) -> Option<OutOfRange> {
-    let excluded = |place: &SelectedEffect| {
-        let trial = found.alone.iter().find(|trial| trial.entry == place.entry)?;
-        let Some(Exclusion::Implausible(own)) = &trial.excluded else { return None };
+    let excluded = |selected: &SelectedEffect| {
+        let candidate = found.alone.iter().find(|candidate| candidate.entry == selected.entry)?;
+        let Some(Exclusion::Implausible(own)) = &candidate.excluded else { return None };
         let (low, high) = own.physical?;
-        let mut globals = best.structure.globals.iter().zip(&best.fit.point.parameters);
-        let (_, value) = globals.find(|(global, _)| global.parameter.name == own.coefficient)?;
+        let mut shared = best.structure.shared.iter().zip(&best.fit.point.parameters);
+        let (_, value) = shared.find(|(shared, _)| shared.parameter.name == own.coefficient)?;
         (*value < low || *value > high).then(|| own.clone())
     };
-    found.places.iter().filter(|_| found.places.len() > 1).find_map(excluded)
+    found.selected.iter().filter(|_| found.selected.len() > 1).find_map(excluded)
 }
 
 /// Of things that are not expected to be explained down to their noise: whether recordings of other setups leave far more.
@@ -244,11 +244,11 @@ fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &H
 fn undetermined(context: &Context, best: &Hypothesis) -> Option<Text> {
     let variance = context.variance(best);
     let shown = |position: usize| {
-        let own = best.structure.globals.iter().enumerate().filter(|(_, global)| !global.shape);
-        let mut own = own.filter(|(_, global)| global.effect.is_some_and(|(effect, _)| effect == position));
-        own.any(|(g, global)| {
-            let from_absence = best.fit.point.parameters[g] - global.absent.map_or(0.0, |(absent, _)| absent);
-            from_absence.abs() > NORMAL_95 * (variance * best.fit.covariance[(g, g)].max(0.0)).sqrt()
+        let own = best.structure.shared.iter().enumerate().filter(|(_, shared)| !shared.shape);
+        let mut own = own.filter(|(_, shared)| shared.effect.is_some_and(|(effect, _)| effect == position));
+        own.any(|(column, shared)| {
+            let from_absence = best.fit.point.parameters[column] - shared.absent.map_or(0.0, |(absent, _)| absent);
+            from_absence.abs() > NORMAL_95 * (variance * best.fit.covariance[(column, column)].max(0.0)).sqrt()
         })
     };
     let effects = &best.structure.effects;
@@ -346,24 +346,24 @@ mod tests {
             let mut found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let both = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));
             let best = context.fit_near(&both, found.best.as_ref().unwrap()).unwrap();
-            found.places.push(SelectedEffect { entry: both[1], ..found.places[0].clone() });
+            found.selected.push(SelectedEffect { entry: both[1], ..found.selected[0].clone() });
             assert_eq!(unphysical_alone(&found, &best), None);
             let own = OutOfRange {
                 effect: "viscous_friction".into(),
                 object: 0,
-                coefficient: best.structure.globals[best.structure.of_effect(0)[0]].parameter.name.clone(),
+                coefficient: best.structure.shared[best.structure.of_effect(0)[0]].parameter.name.clone(),
                 value: 0.15,
                 unit: "1/s".into(),
                 physical: Some((0.5, 1.0)),
                 rests_on: vec!["bob.mass_kg".into()],
             };
-            let trial = found.alone.iter_mut().find(|trial| trial.entry == both[0]).unwrap();
-            trial.excluded = Some(Exclusion::Implausible(own.clone()));
+            let candidate = found.alone.iter_mut().find(|candidate| candidate.entry == both[0]).unwrap();
+            candidate.excluded = Some(Exclusion::Implausible(own.clone()));
             assert_eq!(unphysical_alone(&found, &best), Some(own.clone()));
             assert!(
                 Doubt::UnphysicalAlone(own).to_string().ends_with("outside 0.500 to 1.00, where it is fitted alone")
             );
-            found.places.pop();
+            found.selected.pop();
             assert_eq!(unphysical_alone(&found, &best), None, "alone it is excluded as it is");
         });
     }

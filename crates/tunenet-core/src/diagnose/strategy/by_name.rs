@@ -1,4 +1,4 @@
-//! Selected effects by name: where segments and events are explained apart, each has its own catalogue.
+//! Selected effects by name: segments and events are explained separately, each with its own catalogue.
 
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::Context;
@@ -17,15 +17,15 @@ pub(in crate::diagnose) struct ByName {
 }
 
 impl ByName {
-    pub fn of(context: &Context, place: &SelectedEffect) -> Self {
+    pub fn of(context: &Context, selected: &SelectedEffect) -> Self {
         let name = |entry: usize| context.catalogue[entry].name.clone();
         Self {
-            name: name(place.entry),
-            gain: place.gain,
-            p_value: place.p_value,
-            others: place.others.iter().map(|&(entry, gap)| (name(entry), gap)).collect(),
-            equals: place.equals.iter().map(|&entry| name(entry)).collect(),
-            excluded: place.excluded.clone(),
+            name: name(selected.entry),
+            gain: selected.gain,
+            p_value: selected.p_value,
+            others: selected.others.iter().map(|&(entry, gap)| (name(entry), gap)).collect(),
+            equals: selected.equals.iter().map(|&entry| name(entry)).collect(),
+            excluded: selected.excluded.clone(),
         }
     }
 
@@ -37,7 +37,7 @@ impl ByName {
     }
 
     /// In this catalogue; `None` where it does not hold the effect.
-    pub fn place(&self, catalogue: &[Entry]) -> Option<SelectedEffect> {
+    pub fn in_catalogue(&self, catalogue: &[Entry]) -> Option<SelectedEffect> {
         let entry = |name: &str| catalogue.iter().position(|e| e.name == name);
         Some(SelectedEffect {
             entry: entry(&self.name)?,
@@ -56,11 +56,11 @@ mod tests {
     use crate::diagnose::tests::zoo::{entry, in_swings};
 
     #[test]
-    fn a_place_is_found_again_in_another_catalogue() {
+    fn an_effect_is_found_again_in_another_catalogue() {
         in_swings(&[], 1, 0, |context| {
             let (friction, rest) = (entry(context, "viscous_friction"), entry(context, "rest_angle"));
             let others = vec![(rest, 3.0), (entry(context, "time_scale"), 9.0)];
-            let place = SelectedEffect {
+            let selected = SelectedEffect {
                 entry: friction,
                 gain: 20.0,
                 p_value: 0.01,
@@ -68,13 +68,13 @@ mod tests {
                 equals: Vec::new(),
                 excluded: None,
             };
-            let named = ByName::of(context, &place).within(6.0);
+            let named = ByName::of(context, &selected).within(6.0);
             let turned: Vec<Entry> = context.catalogue.iter().rev().cloned().collect();
-            let found = named.place(&turned).unwrap();
+            let found = named.in_catalogue(&turned).unwrap();
             assert_eq!(turned[found.entry].name, "viscous_friction");
             assert_eq!(found.others.len(), 1);
             assert_eq!(turned[found.others[0].0].name, "rest_angle");
-            assert!(named.place(&turned[..1]).is_none());
+            assert!(named.in_catalogue(&turned[..1]).is_none());
         });
     }
 }

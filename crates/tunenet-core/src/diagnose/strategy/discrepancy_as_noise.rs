@@ -3,7 +3,7 @@
 
 use super::{Attempt, Refinement};
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, search};
@@ -30,7 +30,7 @@ impl Refinement for DiscrepancyAsNoise {
             return Ok(attempt);
         }
         let second = with_inflated_noise(&attempt.context, &attempt.found, attempt.floor, progress)?;
-        Ok(if second.stands() { attempt.replaced(second) } else { attempt })
+        Ok(if second.passes() { attempt.replaced(second) } else { attempt })
     }
 }
 
@@ -53,7 +53,7 @@ pub(in crate::diagnose) struct Second<'a> {
 
 impl Second<'_> {
     /// Whether it finds effects that pass every test.
-    pub fn stands(&self) -> bool {
+    pub fn passes(&self) -> bool {
         self.found.best.is_some() && self.tests.iter().all(|t| t.passed)
     }
 }
@@ -84,13 +84,13 @@ fn with_discrepancy_as_noise(context: &Context, model: &Hypothesis) -> Result<Ev
     let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
     let mut evidence = Evidence::clone(&context.evidence);
     let (mut product, mut square) = (0.0, 0.0);
-    let channels = evidence.training.first().map_or(0, Set::width);
+    let channels = evidence.training.first().map_or(0, PreparedRecording::width);
     let mut pooled = vec![(0.0, 0.0); channels];
-    for (set, values) in evidence.training.iter_mut().zip(&plain) {
-        let width = set.width();
+    for (recording, values) in evidence.training.iter_mut().zip(&plain) {
+        let width = recording.width();
         for (channel, pooled) in pooled.iter_mut().enumerate().take(width) {
             let kept: Vec<f64> =
-                (channel..values.len()).step_by(width).filter(|&i| set.keep[i]).map(|i| values[i]).collect();
+                (channel..values.len()).step_by(width).filter(|&i| recording.keep[i]).map(|i| values[i]).collect();
             let sum: f64 = kept.iter().map(|v| v * v).sum();
             if kept.is_empty() || sum <= 0.0 {
                 continue;
@@ -100,11 +100,11 @@ fn with_discrepancy_as_noise(context: &Context, model: &Hypothesis) -> Result<Ev
             pooled.1 += kept.len() as f64;
             square += sum / (spread * spread);
             product += kept.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (spread * spread);
-            set.noise[channel] = set.noise[channel].max(spread);
+            recording.noise[channel] = recording.noise[channel].max(spread);
         }
     }
-    for set in &mut evidence.validation {
-        for (noise, (sum, count)) in set.noise.iter_mut().zip(&pooled) {
+    for recording in &mut evidence.validation {
+        for (noise, (sum, count)) in recording.noise.iter_mut().zip(&pooled) {
             if *count > 0.0 {
                 *noise = noise.max((sum / count).sqrt());
             }
@@ -130,14 +130,14 @@ pub(in crate::diagnose) fn search_inflated<'a>(
 }
 
 /// Where a single effect was found: counts every other that does as well on recordings that were not fitted among what
-/// could stand in its place.
+/// could be in its place.
 fn admit_equals(context: &Context, found: &mut Selection, before: f64, after: f64) -> Result<()> {
-    let [place] = found.places.as_mut_slice() else { return Ok(()) };
-    for trial in found.alone.iter().filter(|t| t.entry != place.entry && t.excluded.is_none()) {
-        let Some(model) = &trial.model else { continue };
+    let [selected] = found.selected.as_mut_slice() else { return Ok(()) };
+    for candidate in found.alone.iter().filter(|c| c.entry != selected.entry && c.excluded.is_none()) {
+        let Some(model) = &candidate.model else { continue };
         let Some(reached) = validate(context, model)? else { continue };
         if reached.rmse <= CONFIRMED * before && reached.rmse < CONTROL * after {
-            place.equals.push(trial.entry);
+            selected.equals.push(candidate.entry);
         }
     }
     Ok(())
@@ -158,14 +158,16 @@ mod tests {
             let inflated = with_discrepancy_as_noise(context, &base).unwrap();
             let NoiseModel::Inflated { effective_fraction } = inflated.noise else { panic!("{:?}", inflated.noise) };
             assert!(effective_fraction < 0.5, "{effective_fraction}");
-            let wider = |a: &[Set], b: &[Set]| a.iter().zip(b).all(|(a, b)| a.noise[0] > 1.2 * b.noise[0]);
-            assert!(wider(&inflated.training, context.sets()));
+            let wider = |a: &[PreparedRecording], b: &[PreparedRecording]| {
+                a.iter().zip(b).all(|(a, b)| a.noise[0] > 1.2 * b.noise[0])
+            };
+            assert!(wider(&inflated.training, context.recordings()));
             assert!(wider(&inflated.validation, &context.evidence.validation));
         });
     }
 
     #[test]
-    fn an_effect_that_explains_all_stands_with_inflated_noise() {
+    fn an_effect_that_explains_all_passes_with_inflated_noise() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
             let attempt = Attempt::tuned(context).unwrap();
             let floor = attempt.floor;

@@ -3,9 +3,9 @@
 
 mod by_name;
 mod discrepancy_as_noise;
-mod random_contacts;
+mod per_event_effect;
+pub(in crate::diagnose) mod per_recording_fits;
 mod random_parameter;
-pub(in crate::diagnose) mod recordings_apart;
 mod required_effects_first;
 mod segment_wise;
 mod segments_alone;
@@ -24,8 +24,8 @@ use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
 use crate::diagnose::{Progress, Test};
 use crate::simulator::Text;
+use per_recording_fits::PerRecordingFits;
 pub(in crate::diagnose) use random_parameter::RandomParameter;
-use recordings_apart::Apart;
 use sign_ambiguous::fix_sign_ambiguous;
 use unmeasured_axes::without_unmeasured;
 use whole_record::WholeRecord;
@@ -67,10 +67,10 @@ pub(in crate::diagnose) struct Attempt<'a> {
     pub lag1: f64,
     /// The noise of the recordings as a mean square.
     pub floor: f64,
-    /// The negative control, where it was made before chance was admitted.
+    /// The negative control, where it was made before a random effect was added.
     pub control: Option<Control>,
-    /// What explains every recording by itself as well as chance at contacts explains all together.
-    pub apart: Option<Apart>,
+    /// Fits of every recording by itself, where they explain as much as a random effect of events explains of all together.
+    pub per_recording: Option<PerRecordingFits>,
     /// The parameter that differs between recordings.
     pub random_parameter: Option<RandomParameter>,
     /// The recording that disagrees with all others: its position among the recordings given.
@@ -89,7 +89,7 @@ impl<'a> Attempt<'a> {
     /// The simulation as `base` fits it.
     fn started(context: Context<'a>, base: Hypothesis<'a>) -> Self {
         let found = Selection::tuned(base);
-        let floor = noise_floor(context.sets());
+        let floor = noise_floor(context.recordings());
         let (scope, residuals) = (Scope::Tuned, ResidualDiagnostics::default());
         Self {
             context,
@@ -101,7 +101,7 @@ impl<'a> Attempt<'a> {
             lag1: 0.0,
             floor,
             control: None,
-            apart: None,
+            per_recording: None,
             random_parameter: None,
             odd: None,
         }
@@ -117,7 +117,7 @@ impl<'a> Attempt<'a> {
         add_exact_twins(&context, &mut found);
         let before = validate(&context, &found.base)?;
         let residuals = residual_diagnostics(&context, found.best.as_ref().unwrap_or(&found.base));
-        let (lag1, floor) = (context.evidence.noise.lag1(), noise_floor(context.sets()));
+        let (lag1, floor) = (context.evidence.noise.lag1(), noise_floor(context.recordings()));
         Ok(Self {
             context,
             found,
@@ -128,7 +128,7 @@ impl<'a> Attempt<'a> {
             lag1,
             floor,
             control: None,
-            apart: None,
+            per_recording: None,
             random_parameter: None,
             odd: None,
         })
@@ -177,7 +177,7 @@ const REFINEMENTS: [&dyn Refinement; 6] = [
     &random_parameter::ParameterDiffers,
     &discrepancy_as_noise::DiscrepancyAsNoise,
     &required_effects_first::RequiredEffectsFirst,
-    &random_contacts::RandomContacts,
+    &per_event_effect::PerEventEffect,
 ];
 
 /// Tunes the simulation as it is, then tries every refinement that applies. Where no recording is expected to be explained down to its
@@ -228,7 +228,7 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
             (base, returns) = (better, MOST_RETURNS + 1);
             continue;
         }
-        let floor = noise_floor(context.sets());
+        let floor = noise_floor(context.recordings());
         let Gated { context, found, tests } = gated;
         let practical = found.best.is_some().then_some(tests);
         return Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? });
@@ -243,7 +243,7 @@ fn borne_out(attempt: Attempt) -> Result<Attempt> {
     if !worse || !residual_diagnostics(&attempt.context, &attempt.found.base).passed() {
         return Ok(attempt);
     }
-    let found = Selection { best: None, places: Vec::new(), ..attempt.found };
+    let found = Selection { best: None, selected: Vec::new(), ..attempt.found };
     Attempt::tested(attempt.context, found, Scope::Whole, None)
 }
 

@@ -1,7 +1,7 @@
 //! Random parameter (Laird and Ware 1982): a tuned parameter that every recording draws anew from one normal distribution, as the
-//! friction of a floor that is not the same everywhere.
+//! friction of a surface that is not the same everywhere.
 
-use super::recordings_apart::{How, explain_apart};
+use super::per_recording_fits::{How, fit_per_recording};
 use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
@@ -31,18 +31,18 @@ impl Refinement for ParameterDiffers {
     fn attempt<'a>(&self, attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
         let mut adequate = None;
         for model in std::iter::once(&attempt.found.base).chain(&attempt.found.best) {
-            let Some(apart) = explain_apart(&attempt.context, model, How::SameEffects, progress)? else { break };
-            if let Some(odd) = apart.odd() {
-                let odd = Some(attempt.context.sets()[odd].recording);
+            let Some(fits) = fit_per_recording(&attempt.context, model, How::SameEffects, progress)? else { break };
+            if let Some(odd) = fits.odd() {
+                let odd = Some(attempt.context.recordings()[odd].index);
                 return Ok(Attempt { odd, ..attempt });
             }
-            if apart.adequate {
-                adequate = Some(apart);
+            if fits.adequate {
+                adequate = Some(fits);
                 break;
             }
         }
-        let Some(apart) = adequate else { return Ok(attempt) };
-        let differing: Vec<_> = apart.estimates.iter().filter(|one| one.differ()).collect();
+        let Some(fits) = adequate else { return Ok(attempt) };
+        let differing: Vec<_> = fits.estimates.iter().filter(|one| one.differ()).collect();
         let [one] = differing[..] else { return Ok(attempt) };
         if one.coefficient {
             return Ok(attempt);
@@ -70,16 +70,16 @@ impl Refinement for ParameterDiffers {
 /// The context in which every recording has a deviation of its own from the parameter that all share.
 fn drawn_anew<'a>(context: &Context<'a>, random: &RandomParameter) -> Context<'a> {
     let mut evidence = Evidence::clone(&context.evidence);
-    for set in evidence.training.iter_mut().chain(&mut evidence.validation) {
-        let parameters = context.subjects[set.object].simulator.parameters();
+    for recording in evidence.training.iter_mut().chain(&mut evidence.validation) {
+        let parameters = context.subjects[recording.object].simulator.parameters();
         let Some(position) = parameters.iter().position(|p| p.name == random.name) else { continue };
         let Parameter { unit, .. } = &parameters[position];
         let span = parameters[position].span();
         let name = format!("{}.deviation", random.name);
         let Ok(deviation) = Parameter::new(name, unit.clone(), 0.0, -span, span) else { continue };
-        set.prepared.nuisances.push(deviation);
-        set.prior_sd.push(random.sd);
-        set.random_parameter = Some(position);
+        recording.prepared.nuisances.push(deviation);
+        recording.prior_sd.push(random.sd);
+        recording.random_parameter = Some(position);
     }
     context.with_evidence(evidence)
 }

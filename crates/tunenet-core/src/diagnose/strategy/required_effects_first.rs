@@ -2,8 +2,8 @@
 //!
 //! Air brakes a body of known mass and size, whether that shows or not. Where something larger is missing as well, as a wrong
 //! scale of the picture, drag alone earns little in addition to it, and neither of them alone explains the motion. So where one motion
-//! is not explained otherwise, what has to be there comes first without having to earn its place; the one effect that one
-//! motion may show besides is searched for with it in place, and has to earn its own. The answer leaves a choice in any case.
+//! is not explained otherwise, required effects come first, whatever they gain. The one effect that a single motion may show in
+//! addition is searched for with these in place, and has to gain enough. The answer leaves a choice in any case.
 
 use super::{Attempt, Refinement};
 use crate::Result;
@@ -30,7 +30,7 @@ impl Refinement for RequiredEffectsFirst {
         let plausible = second.found.best.as_ref().is_some_and(|model| {
             !holds_only_required(&second.context, model) && implausible(&second.context, model).is_none()
         });
-        Ok(if plausible && second.stands() { attempt.replaced(second) } else { attempt })
+        Ok(if plausible && second.passes() { attempt.replaced(second) } else { attempt })
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::Test;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::catalogue::catalogue;
@@ -34,19 +34,19 @@ impl Refinement for SegmentWise {
     }
 
     fn attempt<'a>(&self, attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
-        let Some(apart) = apart(&attempt.context, progress)? else { return Ok(attempt) };
-        let practical = apart.best.is_some().then_some(apart.tests);
-        let found = Selection { base: attempt.found.base, alone: apart.alone, best: apart.best, places: apart.places };
-        Attempt::tested(attempt.context, found, Scope::Segments { events_open: apart.open }, practical)
+        let Some(both) = segments_and_events(&attempt.context, progress)? else { return Ok(attempt) };
+        let practical = both.best.is_some().then_some(both.tests);
+        let found = Selection { base: attempt.found.base, alone: both.alone, best: both.best, selected: both.selected };
+        Attempt::tested(attempt.context, found, Scope::Segments { events_open: both.open }, practical)
     }
 }
 
 /// What segments and events say.
-struct Apart<'a> {
-    /// All effects together, where they stand; `None` where the segments need none and the events show none.
+struct SegmentsAndEvents<'a> {
+    /// All effects together at the values found; `None` where the segments need none and the events show none.
     pub best: Option<Hypothesis<'a>>,
-    pub places: Vec<SelectedEffect>,
-    /// Every candidate as it stood alone, added to segments or to events.
+    pub selected: Vec<SelectedEffect>,
+    /// Every candidate alone, added to segments or to events.
     pub alone: Vec<CandidateFit<'a>>,
     pub tests: Vec<Test>,
     /// Whether events leave something that nothing takes away.
@@ -60,7 +60,7 @@ struct Events {
     names: Vec<Text>,
     /// Free numbers: object, name, value.
     values: Vec<(Option<usize>, String, f64)>,
-    places: Vec<ByName>,
+    selected: Vec<ByName>,
     tests: Vec<Test>,
     confirmed: bool,
     alone: Vec<NamedScore>,
@@ -74,8 +74,11 @@ fn is_far_beyond_noise(context: &Context<'_>, model: &Hypothesis) -> bool {
     model.deviance(f64::MAX) > FAR_BEYOND * FAR_BEYOND * context.count() as f64
 }
 
-/// Judges segments and events apart. `None` where the segments are not understood.
-fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Apart<'a>>> {
+/// Judges segments and events separately. `None` where the segments are not understood.
+fn segments_and_events<'a>(
+    context: &Context<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<Option<SegmentsAndEvents<'a>>> {
     let Some(segments_alone) = segments_alone(context, progress)? else { return Ok(None) };
     let events = events(context, &segments_alone.given, progress)?;
     let mut names: Vec<Text> = segments_alone.given.iter().map(|g| g.entry.name.clone()).collect();
@@ -84,42 +87,44 @@ fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Optio
     }
     let entry = |name: &str| context.catalogue.iter().position(|e| e.name == name);
     let effects: Vec<usize> = names.iter().filter_map(|name| entry(name)).collect();
-    let trial = |alone: &NamedScore| {
+    let candidate = |alone: &NamedScore| {
         Some(CandidateFit {
             excluded: alone.excluded.clone(),
             ..CandidateFit::unfitted(entry(&alone.name)?, alone.gain)
         })
     };
-    let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&events.alone).filter_map(trial).collect();
+    let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&events.alone).filter_map(candidate).collect();
     alone.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
     if effects.is_empty() {
-        return Ok(Some(Apart { best: None, places: Vec::new(), alone, tests: Vec::new(), open: true }));
+        return Ok(Some(SegmentsAndEvents { best: None, selected: Vec::new(), alone, tests: Vec::new(), open: true }));
     }
     let structure = context.structure(&effects)?;
-    let globals = structure.globals.iter().map(|g| {
-        let found = events.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
-        found.map(|f| f.2).or_else(|| stands(&segments_alone, g.object, &g.parameter.name)).unwrap_or(g.parameter.value)
+    let parameters = structure.shared.iter().map(|shared| {
+        let (owner, parameter) = (shared.object, &shared.parameter);
+        let found = events.values.iter().find(|(object, name, _)| *object == owner && *name == parameter.name);
+        found.map(|f| f.2).or_else(|| fixed_value(&segments_alone, owner, &parameter.name)).unwrap_or(parameter.value)
     });
-    let point = Point { parameters: globals.collect(), nuisances: events.point.nuisances };
-    let fit = context.joint(&structure).stand(point)?;
+    let point = Point { parameters: parameters.collect(), nuisances: events.point.nuisances };
+    let fit = context.joint(&structure).evaluate(point)?;
     // What segments alone distinguish is distinguished.
-    let between = segments_alone.places.into_iter().map(|place| place.within(segments_alone.margin));
-    let mut places: Vec<SelectedEffect> = between.filter_map(|place| place.place(&context.catalogue)).collect();
+    let between = segments_alone.selected.into_iter().map(|effect| effect.within(segments_alone.margin));
+    let mut selected: Vec<SelectedEffect> =
+        between.filter_map(|effect| effect.in_catalogue(&context.catalogue)).collect();
     let mut tests = segments_alone.tests;
     if events.confirmed {
         tests.extend(events.tests);
-        places.extend(events.places.iter().filter_map(|place| place.place(&context.catalogue)));
+        selected.extend(events.selected.iter().filter_map(|effect| effect.in_catalogue(&context.catalogue)));
     }
     let best = Some(Hypothesis { structure, fit });
-    Ok(Some(Apart { best, places, alone, tests, open: !events.confirmed }))
+    Ok(Some(SegmentsAndEvents { best, selected, alone, tests, open: !events.confirmed }))
 }
 
-/// What events leave, with what acts in segments held where it was found.
+/// What events show, with the effects of the segments fixed at the values found.
 fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress)) -> Result<Events> {
     let mut catalogue = catalogue(context.subjects);
     catalogue.retain(|entry| entry.of[0].phase == Phase::Event);
-    let mut training = context.sets().to_vec();
-    training.iter_mut().for_each(Set::hold_still);
+    let mut training = context.recordings().to_vec();
+    training.iter_mut().for_each(PreparedRecording::hold_still);
     let given = given.to_vec().into();
     let evidence = Evidence { training, validation: Vec::new(), noise: NoiseModel::White };
     let new = Context::new(context.subjects, evidence, catalogue, context.settings);
@@ -130,14 +135,14 @@ fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress))
     prune(&context, &mut found)?;
     let (tests, confirmed) = confirmed(&context, &found)?;
     let best = found.best.as_ref().filter(|_| confirmed).unwrap_or(&found.base);
-    let globals = best.structure.globals.iter().zip(&best.fit.point.parameters);
-    let of = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
-    let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(&context, place));
+    let shared = best.structure.shared.iter().zip(&best.fit.point.parameters);
+    let of = |entry: &usize| found.selected.iter().find(|selected| selected.entry == *entry);
+    let selected = best.structure.effects.iter().filter_map(of).map(|selected| ByName::of(&context, selected));
     Ok(Events {
         point: best.fit.point.clone(),
         names: best.structure.effects.iter().map(|&e| context.catalogue[e].name.clone()).collect(),
-        values: globals.map(|(g, value)| (g.object, g.parameter.name.clone(), *value)).collect(),
-        places: places.collect(),
+        values: shared.map(|(shared, value)| (shared.object, shared.parameter.name.clone(), *value)).collect(),
+        selected: selected.collect(),
         tests,
         confirmed,
         alone: by_name(&context, &found),
@@ -151,9 +156,9 @@ fn confirmed(context: &Context<'_>, found: &Selection) -> Result<(Vec<Test>, boo
     else {
         return Ok((Vec::new(), false));
     };
-    let wrong = |t: &&CandidateFit| t.excluded.is_none() && !best.structure.effects.contains(&t.entry);
+    let wrong = |c: &&CandidateFit| c.excluded.is_none() && !best.structure.effects.contains(&c.entry);
     let control = match found.alone.iter().rev().find(wrong) {
-        Some(trial) => leave_segments_out(context, &context.fit_near(&[trial.entry], &found.base)?)?,
+        Some(candidate) => leave_segments_out(context, &context.fit_near(&[candidate.entry], &found.base)?)?,
         None => None,
     };
     let (whole, left) = (found.base.deviance(f64::MAX), best.deviance(f64::MAX));
@@ -168,7 +173,8 @@ fn confirmed(context: &Context<'_>, found: &Selection) -> Result<(Vec<Test>, boo
     Ok((tests, passed))
 }
 
-fn stands(segments_alone: &SegmentFindings, object: Option<usize>, name: &str) -> Option<f64> {
+/// The value that the segments give a coefficient.
+fn fixed_value(segments_alone: &SegmentFindings, object: Option<usize>, name: &str) -> Option<f64> {
     segments_alone.given.iter().find_map(|g| g.value(object.unwrap_or(0), name))
 }
 

@@ -1,12 +1,12 @@
 //! Segments alone: every segment between two events as a recording of its own, whose start is unknown.
 //!
-//! An event that no entry of the catalogue describes corrupts every prediction of what comes after it. Cut apart, segments
-//! do not depend on it: what acts on them, and how they were seen, shows as clearly as if the event were understood; and
-//! one recording brings several of them, so that one can be held out to judge by.
+//! An event that no entry of the catalogue describes corrupts every prediction of what comes after it. Separate segments do not
+//! depend on it: what acts on them, and how they were seen, shows as clearly as if the event were understood. One recording
+//! brings several of them, so that one can be held out for validation.
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::catalogue::{Entry, catalogue};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
@@ -34,8 +34,8 @@ const SMALL: f64 = 0.3;
 pub(in crate::diagnose) struct SegmentFindings {
     /// The effects that act on them, or on how they were seen, with the values found.
     pub given: Vec<FixedEffect>,
-    /// For each of them: its worth, and what could stand in its place.
-    pub places: Vec<ByName>,
+    /// For each of them: its gain, and what else could be in its place.
+    pub selected: Vec<ByName>,
     /// How far behind an explanation is left.
     pub margin: f64,
     pub tests: Vec<Test>,
@@ -61,7 +61,7 @@ pub(in crate::diagnose) fn segments_alone(
     let named = context.subjects.iter().zip(&simulators);
     let subjects: Vec<Subject> =
         named.map(|(s, simulator)| Subject { name: s.name.clone(), simulator: simulator.as_ref() }).collect();
-    let evidence = evidence_of(&subjects, context.sets())?;
+    let evidence = evidence_of(&subjects, context.recordings())?;
     if evidence.training.len() < ENOUGH {
         return Ok(None);
     }
@@ -92,9 +92,9 @@ fn understood<'a>(
     }
     // The least that takes the large part away, where held-out segments confirm it.
     if !context.evidence.validation.is_empty() {
-        let mut second = with_inflated_noise(&context, &found, noise_floor(context.sets()), progress)?;
+        let mut second = with_inflated_noise(&context, &found, noise_floor(context.recordings()), progress)?;
         prune(&second.context, &mut second.found)?;
-        if second.stands() {
+        if second.passes() {
             return Ok(Some((second.context, second.found, second.tests)));
         }
     }
@@ -104,7 +104,7 @@ fn understood<'a>(
 /// The candidates by name.
 pub(in crate::diagnose) fn by_name(context: &Context<'_>, found: &Selection) -> Vec<NamedScore> {
     let name = |entry: usize| context.catalogue[entry].name.clone();
-    let one = |t: &CandidateFit| NamedScore { name: name(t.entry), gain: t.gain, excluded: t.excluded.clone() };
+    let one = |c: &CandidateFit| NamedScore { name: name(c.entry), gain: c.gain, excluded: c.excluded.clone() };
     found.alone.iter().map(one).collect()
 }
 
@@ -120,11 +120,11 @@ fn summarised(context: &Context<'_>, found: &Selection, tests: Vec<Test>) -> Seg
         .collect()
     };
     let ordered = found.best.iter().flat_map(|model| &model.structure.effects);
-    let place = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
-    let places = ordered.filter_map(place).map(|place| ByName::of(context, place)).collect();
+    let with_gain = |entry: &usize| found.selected.iter().find(|selected| selected.entry == *entry);
+    let selected = ordered.filter_map(with_gain).map(|selected| ByName::of(context, selected)).collect();
     SegmentFindings {
         given: found.best.as_ref().map_or_else(Vec::new, given),
-        places,
+        selected,
         margin: context.margin(),
         tests,
         alone: by_name(context, found),
@@ -133,27 +133,27 @@ fn summarised(context: &Context<'_>, found: &Selection, tests: Vec<Test>) -> Seg
 
 /// The coefficients of one object's effect; absent where it has no segment.
 fn values(model: &Hypothesis, position: usize, entry: &Entry, object: usize) -> Vec<f64> {
-    let globals = &model.structure.globals;
+    let shared = &model.structure.shared;
     let of = |k: usize| {
-        let mine = |g: &usize| {
-            globals[*g].effect == Some((position, k)) && globals[*g].object.is_none_or(|owner| owner == object)
+        let mine = |column: &usize| {
+            shared[*column].effect == Some((position, k)) && shared[*column].object.is_none_or(|owner| owner == object)
         };
-        (0..globals.len()).find(mine).map(|g| model.fit.point.parameters[g])
+        (0..shared.len()).find(mine).map(|column| model.fit.point.parameters[column])
     };
     entry.of[object].coefficients.iter().enumerate().map(|(k, c)| of(k).unwrap_or(c.absent)).collect()
 }
 
 /// Every segment as a recording, one of each object held out where there are enough.
-fn evidence_of(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
-    let mut all: Vec<Set> = Vec::new();
-    for set in sets {
+fn evidence_of(subjects: &[Subject], recordings: &[PreparedRecording]) -> Result<Evidence> {
+    let mut all: Vec<PreparedRecording> = Vec::new();
+    for recording in recordings {
         // What follows the last event may hold more of them, too small to be found.
-        let segments = set.free_segments().into_iter().take(set.events.len().max(1));
+        let segments = recording.free_segments().into_iter().take(recording.events.len().max(1));
         for range in segments.flatten() {
-            let Ok(seen) = set.prepared.seen.slice(range.clone()) else { continue };
-            if let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&seen)? {
+            let Ok(seen) = recording.prepared.seen.slice(range.clone()) else { continue };
+            if let Preparation::Usable(prepared) = subjects[recording.object].simulator.prepare(&seen)? {
                 // Segments of one recording differ as motions do: the first are fast, the last are slow.
-                all.push(Set { motion: all.len(), ..set.piece(range, *prepared) });
+                all.push(PreparedRecording { motion: all.len(), ..recording.piece(range, *prepared) });
             }
         }
     }
@@ -190,7 +190,7 @@ mod tests {
     fn segments_that_need_nothing_give_nothing_and_what_has_none_is_not_asked() {
         in_shuttles(&[(AT_EVENTS, 0.3)], |context| {
             let found = segments_alone(context, &|_| {}).unwrap().unwrap();
-            assert!(found.given.is_empty() && found.places.is_empty());
+            assert!(found.given.is_empty() && found.selected.is_empty());
         });
         in_swings(&[], 2, 0, |context| assert!(segments_alone(context, &|_| {}).unwrap().is_none()));
     }

@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
@@ -16,25 +16,25 @@ const UNOBSERVED_SHARE: f64 = 1e-3;
 const VISIBLE: f64 = 2.0;
 
 /// The context with nuisance parameters along axes that were not measured held, and no coefficient free that acts along them
-/// alone. A start velocity across the picture would otherwise turn spin into any force within it.
+/// alone. An initial velocity across the measured plane would otherwise let a hidden rotation act as any force within it.
 pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &Hypothesis) -> Result<Context<'a>> {
     let mut evidence = Evidence::clone(&context.evidence);
-    let complete = |set: &Set| set.unmeasured().is_empty() && !set.driven();
+    let complete = |recording: &PreparedRecording| recording.unmeasured().is_empty() && !recording.driven();
     if evidence.training.iter().chain(&evidence.validation).all(complete) {
         return Ok(context);
     }
     let structure = context.structure(&[])?;
-    for (sets, nuisances) in
+    for (recordings, nuisances) in
         [(&mut evidence.training, Some(&base.fit.point.nuisances)), (&mut evidence.validation, None)]
     {
         let nuisances =
-            nuisances.cloned().unwrap_or_else(|| sets.iter().map(|s| s.prepared.nuisance_values()).collect());
+            nuisances.cloned().unwrap_or_else(|| recordings.iter().map(|r| r.prepared.nuisance_values()).collect());
         let here = Point { parameters: base.fit.point.parameters.clone(), nuisances };
-        let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
+        let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
         let residuals = joint.residuals(&here, 1.0)?;
         let columns = joint.columns(&here, &residuals, Which::ALL);
-        for (set, one) in sets.iter_mut().zip(&columns) {
-            set.hold_silent(&one.nuisances);
+        for (recording, one) in recordings.iter_mut().zip(&columns) {
+            recording.hold_silent(&one.nuisances);
         }
     }
     let observed = |(position, entry): (usize, &Entry)| {
@@ -48,15 +48,15 @@ pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &H
 /// Which coefficients of an effect the recordings depend on.
 fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<Vec<bool>> {
     let structure = context.structure(&[entry])?;
-    let known = base.structure.globals.len();
-    let mut globals = structure.carry(&base.structure, &base.fit.point.parameters);
+    let known = base.structure.shared.len();
+    let mut parameters = structure.carry(&base.structure, &base.fit.point.parameters);
     let driven = context.evidence.driven();
     // The speed at which friction falls has no slope where there is no friction.
-    for (value, global) in globals.iter_mut().zip(&structure.globals).skip(known).filter(|_| driven) {
-        let present = global.absent.map_or(*value, |(absent, typical)| absent + typical);
-        *value = present.clamp(global.parameter.min, global.parameter.max);
+    for (value, shared) in parameters.iter_mut().zip(&structure.shared).skip(known).filter(|_| driven) {
+        let present = shared.absent.map_or(*value, |(absent, typical)| absent + typical);
+        *value = present.clamp(shared.parameter.min, shared.parameter.max);
     }
-    let point = Point { parameters: globals, nuisances: base.fit.point.nuisances.clone() };
+    let point = Point { parameters, nuisances: base.fit.point.nuisances.clone() };
     let which = Which { first: known, nuisances: false, ..Which::ALL };
     let joint = context.joint(&structure);
     let residuals = if driven { joint.residuals(&point, 1.0)? } else { base.fit.residuals.clone() };
@@ -64,11 +64,11 @@ fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<
     let lengths: Vec<usize> = base.fit.residuals.iter().map(Vec::len).collect();
     let mut sizes = vec![0.0f64; context.catalogue[entry].seen.len()];
     let mut visible = vec![false; sizes.len()];
-    for (place, global) in structure.globals.iter().enumerate().skip(known) {
-        let column = stack(&columns, &lengths, place);
-        if let Some((_, k)) = global.effect {
+    for (index, shared) in structure.shared.iter().enumerate().skip(known) {
+        let column = stack(&columns, &lengths, index);
+        if let Some((_, k)) = shared.effect {
             let size = dot(&column, &column).sqrt();
-            let (low, high) = context.catalogue[entry].of[global.object.unwrap_or(0)].plausible[k];
+            let (low, high) = context.catalogue[entry].of[shared.object.unwrap_or(0)].plausible[k];
             visible[k] |= size * (high - low) > VISIBLE;
             sizes[k] = sizes[k].max(size);
         }

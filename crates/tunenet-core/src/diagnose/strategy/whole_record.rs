@@ -52,7 +52,7 @@ fn search_white<'a>(
     let base = white.fit_near(&[], &found.base)?;
     let found = search(&white, base, is_adequate, progress)?;
     let left = found.best.as_ref().map(|best| white.weighted(best)).transpose()?;
-    if left.is_some_and(|left| ar1_correlation::correlation(white.sets(), &left) < rho - TAKEN) {
+    if left.is_some_and(|left| ar1_correlation::correlation(white.recordings(), &left) < rho - TAKEN) {
         return search_again(white, found, is_adequate, progress).map(Some);
     }
     Ok(None)

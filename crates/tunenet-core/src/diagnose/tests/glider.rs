@@ -47,8 +47,8 @@ impl Simulator for Glider {
             let (first, last) = (seen.row(0)[i], seen.row(seen.len() - 1)[i]);
             let fall = if i == 1 { 0.5 * GRAVITY * span } else { 0.0 };
             let speed = (last - first) / span + fall;
-            prepared.nuisances.push(Parameter::new(format!("release.{name}"), "m", first, first - 5.0, first + 5.0)?);
-            let velocity = format!("release.velocity_{name}");
+            prepared.nuisances.push(Parameter::new(format!("initial.{name}"), "m", first, first - 5.0, first + 5.0)?);
+            let velocity = format!("initial.velocity_{name}");
             prepared.nuisances.push(Parameter::new(velocity, "m/s", speed, speed - 20.0, speed + 20.0)?);
         }
         Ok(Preparation::Usable(Box::new(prepared)))

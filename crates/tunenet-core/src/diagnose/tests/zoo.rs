@@ -1,6 +1,6 @@
 //! Contexts of closed-form recordings, on which every step of the pipeline is tested.
 
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::validation_split::hold_end_out;
 use crate::diagnose::evidence::{Evidence, copies};
 use crate::diagnose::hypothesis::catalogue::catalogue;
@@ -38,12 +38,12 @@ pub fn swing(truth: &[(&str, f64)], k: u32) -> Observation {
 pub fn in_context(simulator: &dyn Simulator, seen: &[Observation], held_out: usize, test: impl FnOnce(&Context)) {
     let (subjects, settings) = ([Subject { name: "it".into(), simulator }], Settings::default());
     let prepared = |(i, one): (usize, &Observation)| match simulator.prepare(one).unwrap() {
-        Preparation::Usable(prepared) => Set::new(i, 0, i + held_out >= seen.len(), *prepared),
+        Preparation::Usable(prepared) => PreparedRecording::new(i, 0, i + held_out >= seen.len(), *prepared),
         Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
     };
-    let mut sets: Vec<Set> = seen.iter().enumerate().map(prepared).collect();
-    copies::label(&mut sets);
-    test(&Context::new(&subjects, Evidence::new(sets), catalogue(&subjects), &settings));
+    let mut recordings: Vec<PreparedRecording> = seen.iter().enumerate().map(prepared).collect();
+    copies::label(&mut recordings);
+    test(&Context::new(&subjects, Evidence::new(recordings), catalogue(&subjects), &settings));
 }
 
 /// The same of swings with these coefficients.
@@ -71,9 +71,9 @@ pub fn in_levers(levers: &Levers, truth: &[(&str, f64)], test: impl FnOnce(&Cont
     let (subjects, settings) = ([Subject { name: "levers".into(), simulator: levers }], Settings::default());
     let seen = levers.observe(truth, NOISE_NM, 5).unwrap();
     let Preparation::Usable(prepared) = levers.prepare(&seen).unwrap() else { panic!("usable") };
-    let mut set = Set::new(0, 0, false, *prepared);
-    let end = hold_end_out(&mut set).unwrap().unwrap();
-    test(&Context::new(&subjects, Evidence::new(vec![set, end]), catalogue(&subjects), &settings));
+    let mut recording = PreparedRecording::new(0, 0, false, *prepared);
+    let end = hold_end_out(&mut recording).unwrap().unwrap();
+    test(&Context::new(&subjects, Evidence::new(vec![recording, end]), catalogue(&subjects), &settings));
 }
 
 /// The position of an effect in the catalogue.

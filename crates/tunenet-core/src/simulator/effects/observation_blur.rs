@@ -1,4 +1,4 @@
-//! An exposure that lasts: a sample is the mean over it, so contacts are rounded off.
+//! An exposure that lasts: a sample is the mean over it, so events are rounded off.
 
 use super::{Act, MeasurementEffect};
 use crate::observation::Kind;

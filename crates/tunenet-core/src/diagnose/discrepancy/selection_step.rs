@@ -1,5 +1,5 @@
-//! Candidates fitted in addition to a hypothesis, and back-substitution: what a candidate gains only by leading out of a local minimum
-//! is not its own, so the hypothesis is fitted again from where the candidate leads to.
+//! A step of the selection: candidates fitted in addition to a hypothesis, and back-substitution. What a candidate gains only by
+//! leading out of a local minimum is not its own, so the hypothesis is fitted again from the values that the candidate leads to.
 
 use rayon::prelude::*;
 
@@ -16,39 +16,39 @@ const FITTED: usize = 7;
 const FINISHED: usize = 2;
 
 /// A hypothesis, and every candidate in addition to it, best first.
-pub(super) struct Stage<'a> {
+pub(super) struct DiscrepancyStep<'a> {
     pub model: Hypothesis<'a>,
-    pub trials: Vec<CandidateFit<'a>>,
+    pub candidates: Vec<CandidateFit<'a>>,
 }
 
 /// Fits the most promising candidates in addition to `model`; the model improves where a candidate leads it to.
-pub(super) fn stage<'a>(context: &Context<'a>, model: Hypothesis<'a>) -> Stage<'a> {
-    finish(context, brief_stage(context, model, FITTED))
+pub(super) fn selection_step<'a>(context: &Context<'a>, model: Hypothesis<'a>) -> DiscrepancyStep<'a> {
+    finish(context, brief_step(context, model, FITTED))
 }
 
-/// The best candidates of a stage fitted to the end, and the model again from where they lead.
-pub(super) fn finish<'a>(context: &Context<'a>, stage: Stage<'a>) -> Stage<'a> {
-    let Stage { mut model, mut trials } = stage;
-    order(context, &model, &mut trials);
-    let leading = trials.iter().filter(|trial| trial.model.is_some()).take(FINISHED).count();
-    trials[..leading].par_iter_mut().for_each(|trial| {
-        let Some(near) = &trial.model else { return };
+/// The best candidates of a step fitted to the end, and the hypothesis again from the values that they lead to.
+pub(super) fn finish<'a>(context: &Context<'a>, step: DiscrepancyStep<'a>) -> DiscrepancyStep<'a> {
+    let DiscrepancyStep { mut model, mut candidates } = step;
+    order(context, &model, &mut candidates);
+    let leading = candidates.iter().filter(|candidate| candidate.model.is_some()).take(FINISHED).count();
+    candidates[..leading].par_iter_mut().for_each(|candidate| {
+        let Some(near) = &candidate.model else { return };
         if let Ok(finished) = context.fit_near_with(&near.structure.effects, near, FINISH) {
-            trial.model = Some(finished);
+            candidate.model = Some(finished);
         }
     });
-    for trial in &trials[..leading] {
-        let Some(found) = trial.model.as_ref().and_then(|near| stripped(context, &model, near)) else { continue };
+    for candidate in &candidates[..leading] {
+        let Some(found) = candidate.model.as_ref().and_then(|near| stripped(context, &model, near)) else { continue };
         if found.fit.cost < model.fit.cost {
             model = found;
         }
     }
-    order(context, &model, &mut trials);
-    Stage { model, trials }
+    order(context, &model, &mut candidates);
+    DiscrepancyStep { model, candidates }
 }
 
 /// The `most` most promising candidates in addition to `model`, fitted briefly.
-pub(super) fn brief_stage<'a>(context: &Context<'a>, model: Hypothesis<'a>, most: usize) -> Stage<'a> {
+pub(super) fn brief_step<'a>(context: &Context<'a>, model: Hypothesis<'a>, most: usize) -> DiscrepancyStep<'a> {
     let mut scored = score(context, &model);
     let base = model.structure.effects.is_empty();
     if base {
@@ -58,23 +58,23 @@ pub(super) fn brief_stage<'a>(context: &Context<'a>, model: Hypothesis<'a>, most
     let promising = scored.iter().filter(|one| one.excluded.is_none() && (base || one.predicted > 0.0)).take(most);
     let promising: Vec<&Scored> = promising.collect();
     let fitted: Vec<Option<Hypothesis>> = promising.par_iter().map(|one| fit(context, &model, one)).collect();
-    let mut trials: Vec<CandidateFit> = scored.iter().map(unfitted).collect();
+    let mut candidates: Vec<CandidateFit> = scored.iter().map(unfitted).collect();
     for (one, fitted) in promising.iter().zip(fitted) {
-        if let Some(trial) = trials.iter_mut().find(|trial| trial.entry == one.entry) {
-            trial.model = fitted;
+        if let Some(candidate) = candidates.iter_mut().find(|candidate| candidate.entry == one.entry) {
+            candidate.model = fitted;
         }
     }
-    order(context, &model, &mut trials);
-    Stage { model, trials }
+    order(context, &model, &mut candidates);
+    DiscrepancyStep { model, candidates }
 }
 
 /// Scores candidates at the values of the files as well: where something large is missing, the fit without it may be far from all that
 /// is true.
 fn score_as_given<'a>(context: &Context<'a>, model: &Hypothesis<'a>, scored: &mut [Scored]) {
-    let given = model.structure.globals.iter().map(|global| global.parameter.value).collect();
+    let given = model.structure.shared.iter().map(|shared| shared.parameter.value).collect();
     let point = Point { parameters: given, nuisances: model.fit.point.nuisances.clone() };
     let Ok(structure) = context.structure(&[]) else { return };
-    let Ok(fit) = context.joint(&structure).stand(point) else { return };
+    let Ok(fit) = context.joint(&structure).evaluate(point) else { return };
     let before = model.deviance(model.scale());
     for mut one in score(context, &Hypothesis { structure, fit }) {
         one.predicted = context.criterion(before, one.left, one.start.len() as f64);
@@ -90,16 +90,16 @@ fn score_as_given<'a>(context: &Context<'a>, model: &Hypothesis<'a>, scored: &mu
 fn unfitted<'a>(one: &Scored) -> CandidateFit<'a> {
     // What was not fitted is no better than nothing.
     let predicted = one.predicted;
-    let mut trial = CandidateFit::unfitted(one.entry, predicted.min(0.0));
-    (trial.predicted, trial.excluded, trial.span) = (predicted, one.excluded.clone(), one.span.clone());
-    trial
+    let mut candidate = CandidateFit::unfitted(one.entry, predicted.min(0.0));
+    (candidate.predicted, candidate.excluded, candidate.span) = (predicted, one.excluded.clone(), one.span.clone());
+    candidate
 }
 
 /// The candidate fitted briefly from where it was scored, and without other effects from the values of the files as well.
 fn fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
     let effects = [model.structure.effects.as_slice(), &[one.entry]].concat();
-    let known = model.structure.globals.len();
-    let given: Vec<f64> = model.structure.globals.iter().map(|global| global.parameter.value).collect();
+    let known = model.structure.shared.len();
+    let given: Vec<f64> = model.structure.shared.iter().map(|shared| shared.parameter.value).collect();
     let from = std::iter::once(&one.at).chain(model.structure.effects.is_empty().then_some(&given));
     let fitted = from.filter_map(|at| {
         let structure = context.structure(&effects).ok()?;
@@ -112,10 +112,10 @@ fn fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Optio
     fitted.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
 }
 
-/// The hypothesis `model`, fitted from where a candidate in addition to it stands, the candidate's own effect taken away.
+/// The hypothesis `model`, fitted from the values of a candidate in addition to it, without the candidate's own effect.
 fn stripped<'a>(context: &Context<'a>, model: &Hypothesis<'a>, near: &Hypothesis<'a>) -> Option<Hypothesis<'a>> {
     let structure = context.structure(&model.structure.effects).ok()?;
-    let parameters = near.fit.point.parameters[..structure.globals.len()].to_vec();
+    let parameters = near.fit.point.parameters[..structure.shared.len()].to_vec();
     let start = Point { parameters, nuisances: near.fit.point.nuisances.clone() };
     let joint = context.joint(&structure);
     let brief = joint.fit(start, BRIEF).ok()?;
@@ -123,15 +123,15 @@ fn stripped<'a>(context: &Context<'a>, model: &Hypothesis<'a>, near: &Hypothesis
     Some(Hypothesis { structure, fit })
 }
 
-/// Gains over `model` as it stands now, best first.
-fn order<'a>(context: &Context<'a>, model: &Hypothesis<'a>, trials: &mut [CandidateFit<'a>]) {
-    for trial in trials.iter_mut() {
+/// Gains over `model` as it is fitted now, best first.
+fn order<'a>(context: &Context<'a>, model: &Hypothesis<'a>, candidates: &mut [CandidateFit<'a>]) {
+    for candidate in candidates.iter_mut() {
         // A fit that ends above the hypothesis itself sits in another local minimum, and says nothing.
-        trial.model = trial.model.take().filter(|fitted| fitted.fit.cost <= model.fit.cost);
-        if let Some(fitted) = &trial.model {
-            trial.gain = gain(context, model, fitted, model.scale());
-            trial.excluded = implausible(context, fitted).map(Exclusion::Implausible);
+        candidate.model = candidate.model.take().filter(|fitted| fitted.fit.cost <= model.fit.cost);
+        if let Some(fitted) = &candidate.model {
+            candidate.gain = gain(context, model, fitted, model.scale());
+            candidate.excluded = implausible(context, fitted).map(Exclusion::Implausible);
         }
     }
-    trials.sort_by(|a, b| b.model.is_some().cmp(&a.model.is_some()).then(CandidateFit::order(a, b)));
+    candidates.sort_by(|a, b| b.model.is_some().cmp(&a.model.is_some()).then(CandidateFit::order(a, b)));
 }

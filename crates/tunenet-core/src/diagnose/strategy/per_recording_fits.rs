@@ -1,14 +1,14 @@
-//! Recordings apart: every recording as an object of its own, so that nothing has to be the same in two of them; what then differs is
-//! tested by Cochran's Q (Cochran 1954).
+//! Fits per recording: every recording is fitted as an object of its own, so that no number has to be the same in two of them.
+//! Cochran's Q (Cochran 1954) tests which numbers then differ.
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, search};
 use crate::diagnose::hypothesis::joint::{Outcome, Point};
-use crate::diagnose::hypothesis::structure::Global;
+use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::{Progress, Subject};
 use crate::simulator::Text;
@@ -23,9 +23,9 @@ const SAME: f64 = 1e-2;
 const ODD_RMS: f64 = 1.5;
 const GOOD_RMS: f64 = 1.2;
 
-/// What explains every recording by itself.
+/// Fits of every recording by itself.
 #[derive(Debug, Clone)]
-pub(in crate::diagnose) struct Apart {
+pub(in crate::diagnose) struct PerRecordingFits {
     /// The effects that it takes.
     pub effects: Vec<Text>,
     /// Gain of the information criterion over the tuned simulation that all recordings share.
@@ -53,8 +53,8 @@ impl Estimates {
     /// Cochran's Q of these recordings, and its degrees of freedom.
     fn q(&self, of: impl Fn(usize) -> bool) -> (f64, f64) {
         let used: Vec<(f64, f64)> = (0..self.each.len())
-            .filter(|&d| of(d) && self.each[d].1.is_finite() && self.each[d].1 > 0.0)
-            .map(|d| (self.each[d].0, self.each[d].1.powi(-2)))
+            .filter(|&recording| of(recording) && self.each[recording].1.is_finite() && self.each[recording].1 > 0.0)
+            .map(|recording| (self.each[recording].0, self.each[recording].1.powi(-2)))
             .collect();
         let whole: f64 = used.iter().map(|(_, weight)| weight).sum();
         let mean = used.iter().map(|(value, weight)| value * weight).sum::<f64>() / whole;
@@ -82,26 +82,27 @@ impl Estimates {
     }
 }
 
-impl Apart {
+impl PerRecordingFits {
     /// The one recording without which all others agree; `None` where there is no such one, or several.
     pub fn odd(&self) -> Option<usize> {
         let count = self.rms.len();
         if count <= FEWEST {
             return None;
         }
-        let unlike = |d: usize| self.rms[d] > ODD_RMS && (0..count).all(|o| o == d || self.rms[o] < GOOD_RMS);
-        if let Some(odd) = (0..count).find(|&d| unlike(d)) {
+        let good = |recording: usize| self.rms[recording] < GOOD_RMS;
+        let unlike = |odd: &usize| self.rms[*odd] > ODD_RMS && (0..count).all(|other| other == *odd || good(other));
+        if let Some(odd) = (0..count).find(unlike) {
             return Some(odd);
         }
         let differing: Vec<&Estimates> = self.estimates.iter().filter(|one| one.differ()).collect();
-        let agree = |without: usize| differing.iter().all(|one| one.p_value(|d| d != without) > SAME);
-        let mut alone = (0..count).filter(|&d| agree(d));
+        let agree = |without: &usize| differing.iter().all(|one| one.p_value(|recording| recording != *without) > SAME);
+        let mut alone = (0..count).filter(agree);
         let odd = alone.next().filter(|_| !differing.is_empty())?;
         alone.next().is_none().then_some(odd)
     }
 }
 
-/// How recordings apart are explained.
+/// By which effects every recording is explained.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::diagnose) enum How {
     /// By the effects of the model that they start from.
@@ -110,61 +111,65 @@ pub(in crate::diagnose) enum How {
     Search,
 }
 
-/// Explains every recording by itself from where `model` stands, which all share; `None` where that is the same as explaining
-/// them together.
+/// Fits every recording by itself from the values of `model`, which all share; `None` where that is the same as fitting them
+/// together.
 ///
 /// # Errors
 /// Where a simulator refuses.
-pub(in crate::diagnose) fn explain_apart(
+pub(in crate::diagnose) fn fit_per_recording(
     context: &Context,
     model: &Hypothesis,
     how: How,
     progress: &dyn Fn(Progress),
-) -> Result<Option<Apart>> {
-    let sets = context.sets();
-    if sets.len() < FEWEST || context.evidence.driven() || !context.given.is_empty() || context.random_tilts.is_some() {
+) -> Result<Option<PerRecordingFits>> {
+    let recordings = context.recordings();
+    let few = recordings.len() < FEWEST;
+    if few || context.evidence.driven() || !context.given.is_empty() || context.event_effects.is_some() {
         return Ok(None);
     }
-    let one = |set: &Set| {
-        let Subject { name, simulator } = &context.subjects[set.object];
+    let one = |recording: &PreparedRecording| {
+        let Subject { name, simulator } = &context.subjects[recording.object];
         Subject { name: name.clone(), simulator: *simulator }
     };
-    let subjects: Vec<Subject> = sets.iter().map(one).collect();
+    let subjects: Vec<Subject> = recordings.iter().map(one).collect();
     let entry = |entry: &Entry| Entry {
-        of: sets.iter().map(|set| entry.of[set.object].clone()).collect(),
+        of: recordings.iter().map(|recording| entry.of[recording.object].clone()).collect(),
         seen: entry.seen.clone(),
         name: entry.name.clone(),
     };
-    let training = sets.iter().enumerate().map(|(d, set)| Set { object: d, ..set.clone() }).collect();
+    let as_object =
+        |(object, recording): (usize, &PreparedRecording)| PreparedRecording { object, ..recording.clone() };
+    let training = recordings.iter().enumerate().map(as_object).collect();
     let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
     let catalogue = context.catalogue.iter().map(entry).collect();
     let rollouts = context.rollouts.clone();
-    let apart = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
+    let separate = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
     let effects = &model.structure.effects;
-    let structure = apart.structure(effects)?;
-    let value = |global: &Global| {
-        let object = global.object.map(|d| sets[d].object);
-        let globals = model.structure.globals.iter().zip(&model.fit.point.parameters);
-        let mut same = globals.filter(|(g, _)| g.object == object && g.parameter.name == global.parameter.name);
-        same.next().map_or(global.parameter.value, |(_, value)| *value)
+    let structure = separate.structure(effects)?;
+    let value = |shared: &SharedParameter| {
+        let object = shared.object.map(|recording| recordings[recording].object);
+        let known = model.structure.shared.iter().zip(&model.fit.point.parameters);
+        let mut same =
+            known.filter(|(other, _)| other.object == object && other.parameter.name == shared.parameter.name);
+        same.next().map_or(shared.parameter.value, |(_, value)| *value)
     };
     let point = Point {
-        parameters: structure.globals.iter().map(value).collect(),
+        parameters: structure.shared.iter().map(value).collect(),
         nuisances: model.fit.point.nuisances.clone(),
     };
     let near = Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } };
-    let start = apart.fit_near(effects, &near)?;
+    let start = separate.fit_near(effects, &near)?;
     let found =
-        if how == How::Search { search(&apart, start, is_adequate, progress)? } else { Selection::tuned(start) };
+        if how == How::Search { search(&separate, start, is_adequate, progress)? } else { Selection::tuned(start) };
     let best = found.best.as_ref().unwrap_or(&found.base);
-    let extra = best.structure.globals.len().saturating_sub(model.structure.globals.len());
+    let extra = best.structure.shared.len().saturating_sub(model.structure.shared.len());
     let scale = model.scale();
     let rms = |values: &Vec<f64>| (dot(values, values) / values.len().max(1) as f64).sqrt();
-    Ok(Some(Apart {
-        effects: best.structure.effects.iter().map(|&e| apart.catalogue[e].name.clone()).collect(),
+    Ok(Some(PerRecordingFits {
+        effects: best.structure.effects.iter().map(|&e| separate.catalogue[e].name.clone()).collect(),
         gain: context.criterion(model.deviance(scale), best.deviance(scale), extra as f64),
-        adequate: is_adequate(&apart, best),
-        estimates: estimates(best, sets.len()),
+        adequate: is_adequate(&separate, best),
+        estimates: estimates(best, recordings.len()),
         rms: best.fit.residuals.iter().map(rms).collect(),
     }))
 }
@@ -172,17 +177,17 @@ pub(in crate::diagnose) fn explain_apart(
 /// Every number of `model` that each recording has for itself.
 fn estimates(model: &Hypothesis, count: usize) -> Vec<Estimates> {
     let mut all: Vec<Estimates> = Vec::new();
-    for (g, global) in model.structure.globals.iter().enumerate() {
-        let Some(recording) = global.object else { continue };
-        let name = &global.parameter.name;
+    for (column, shared) in model.structure.shared.iter().enumerate() {
+        let Some(recording) = shared.object else { continue };
+        let name = &shared.parameter.name;
         let position = all.iter().position(|one| one.name == *name).unwrap_or_else(|| {
             let each = vec![(0.0, f64::INFINITY); count];
-            all.push(Estimates { name: name.clone(), coefficient: global.effect.is_some(), each });
+            all.push(Estimates { name: name.clone(), coefficient: shared.effect.is_some(), each });
             all.len() - 1
         });
         let spread = model.scale().max(1.0);
-        let value = model.fit.point.parameters[g];
-        all[position].each[recording] = (value, spread * model.fit.covariance[(g, g)].max(0.0).sqrt());
+        let value = model.fit.point.parameters[column];
+        all[position].each[recording] = (value, spread * model.fit.covariance[(column, column)].max(0.0).sqrt());
     }
     all
 }
@@ -193,10 +198,10 @@ mod tests {
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::in_swings;
 
-    fn of(values: &[f64], rms: &[f64]) -> Apart {
+    fn of(values: &[f64], rms: &[f64]) -> PerRecordingFits {
         let each = values.iter().map(|value| (*value, 0.01)).collect();
         let estimates = vec![Estimates { name: "stiffness".into(), coefficient: false, each }];
-        Apart { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec() }
+        PerRecordingFits { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec() }
     }
 
     /// Q of ±0.1 with errors of 0.01 is 100 each; the moments give the standard deviation back.
@@ -220,13 +225,13 @@ mod tests {
     fn recordings_of_one_pendulum_agree_and_too_few_say_nothing() {
         in_swings(&[], 4, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let apart = explain_apart(context, &base, How::SameEffects, &|_| {}).unwrap().unwrap();
-            assert!(apart.adequate && apart.gain < 0.0 && apart.odd().is_none(), "{apart:?}");
-            assert!(apart.estimates.iter().all(|one| !one.differ() && one.each.len() == 4));
+            let fits = fit_per_recording(context, &base, How::SameEffects, &|_| {}).unwrap().unwrap();
+            assert!(fits.adequate && fits.gain < 0.0 && fits.odd().is_none(), "{fits:?}");
+            assert!(fits.estimates.iter().all(|one| !one.differ() && one.each.len() == 4));
         });
         in_swings(&[], 2, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            assert!(explain_apart(context, &base, How::Search, &|_| {}).unwrap().is_none());
+            assert!(fit_per_recording(context, &base, How::Search, &|_| {}).unwrap().is_none());
         });
     }
 }

@@ -1,0 +1,125 @@
+//! Per-event random effect (Laird and Ware 1982): every event has draws of its own from one distribution. It is tried last, since
+//! it can imitate much.
+
+use super::per_recording_fits::{How, fit_per_recording};
+use super::{Attempt, Refinement, Scope};
+use crate::Result;
+use crate::diagnose::Progress;
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::candidate_scores::gain;
+use crate::diagnose::hypothesis::catalogue::Entry;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::search;
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::hypothesis::joint::{Outcome, Point};
+use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
+use crate::diagnose::judge::random_effect::EventEffectFit;
+use crate::diagnose::judge::random_effect::admit;
+use crate::diagnose::judge::random_effect::fit_event_effects;
+
+pub(super) struct PerEventEffect;
+
+impl Refinement for PerEventEffect {
+    fn applies(&self, attempt: &Attempt) -> bool {
+        attempt.scope == Scope::Whole && attempt.practical.is_none() && attempt.random_parameter.is_none()
+    }
+
+    fn attempt<'a>(&self, mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+        attempt.control = Some(attempt.negative_control()?);
+        let adequate = attempt.residuals.passed();
+        let Some(effects) = leading_effects(&attempt.context, &mut attempt.found, adequate)? else {
+            return Ok(attempt);
+        };
+        let rival = fit_per_recording(&attempt.context, &attempt.found.base, How::Search, progress)?;
+        let near = effects.gain - attempt.context.settings.margin;
+        attempt.per_recording = rival.filter(|fits| fits.adequate && fits.gain > near);
+        attempt.context = admit(&attempt.context, &effects)?;
+        attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
+        attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
+        // Without its parameters the random effect passed for autocorrelated noise.
+        if !attempt.residuals.passed()
+            && let Some(evidence) = attempt.context.learn_noise(attempt.last())?
+        {
+            attempt.lag1 = evidence.noise.lag1();
+            attempt.context = attempt.context.with_evidence(evidence);
+            attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
+            attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
+        }
+        Ok(attempt)
+    }
+}
+
+/// The random effect of events, if it explains more than every other effect, or what no other effect explains.
+fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> Result<Option<EventEffectFit>> {
+    let significant =
+        |fit: &EventEffectFit| fit.gain > context.settings.margin && fit.p_value < context.settings.significance;
+    let alone = fit_event_effects(context, &found.base)?.filter(significant);
+    if let (Some(random), Some(entry)) = (&alone, context.catalogue.iter().position(Entry::is_random_effect)) {
+        found.alone.push(CandidateFit::unfitted(entry, random.gain));
+        found.alone.sort_by(CandidateFit::order);
+    }
+    // At the misfit's own scale, as the gain of the random effect is.
+    let others = found.best.as_ref().map_or(0.0, |best| gain(context, &found.base, best, found.base.scale()));
+    if alone.as_ref().is_some_and(|random| random.gain > others) {
+        return Ok(alone);
+    }
+    match &found.best {
+        Some(best) if !adequate => Ok(fit_event_effects(context, best)?.filter(significant)),
+        _ => Ok(None),
+    }
+}
+
+/// The search again with the draws of the random effect as nuisance parameters.
+fn search_with<'a>(
+    context: &Context<'a>,
+    plain: Selection<'a>,
+    effects: &EventEffectFit,
+    progress: &dyn Fn(Progress),
+) -> Result<Selection<'a>> {
+    let entry = context.catalogue.iter().position(Entry::is_random_effect).unwrap_or(0);
+    let mut nuisances = plain.base.fit.point.nuisances.clone();
+    nuisances
+        .iter_mut()
+        .zip(&effects.draws)
+        .for_each(|(nuisances, draws)| nuisances.extend(draws.iter().map(|draw| draw.value)));
+    let near = Hypothesis {
+        structure: context.structure(&[])?,
+        fit: Outcome {
+            point: Point { parameters: plain.base.fit.point.parameters.clone(), nuisances },
+            ..plain.base.fit.clone()
+        },
+    };
+    let base = context.fit_near(&[], &near)?;
+    let again = search(context, base, is_adequate, progress)?;
+    let random = SelectedEffect {
+        entry,
+        gain: effects.gain,
+        p_value: effects.p_value,
+        others: Vec::new(),
+        equals: Vec::new(),
+        excluded: None,
+    };
+    let selected = std::iter::once(random).chain(again.selected).collect();
+    let best = Some(again.best.unwrap_or(again.base));
+    Ok(Selection { base: plain.base, alone: plain.alone, best, selected })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    use crate::diagnose::strategy::whole_record::WholeRecord;
+
+    #[test]
+    fn without_events_there_is_no_random_effect_and_the_control_is_made() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            assert!(!PerEventEffect.applies(&tuned));
+            let whole = WholeRecord.attempt(tuned, &|_| {}).unwrap();
+            assert!(PerEventEffect.applies(&whole));
+            let same = PerEventEffect.attempt(whole, &|_| {}).unwrap();
+            assert!(same.context.event_effects.is_none() && same.control.unwrap().wrong.is_some());
+        });
+    }
+}
