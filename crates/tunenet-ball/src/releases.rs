@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(all.len(), 12, "{all:?}");
         assert!(all.iter().all(|one| one.nuisances[2] == 0.0 && one.nuisances[4] == 0.5 && one.settings.len() == 4));
         let fastest = all.iter().max_by(|a, b| a.tangential_m_s.total_cmp(&b.tangential_m_s)).unwrap();
-        assert_eq!((fastest.tangential_m_s, fastest.settings[0].clone()), (4.0, ("release.z".to_owned(), 0.5)));
+        assert_eq!((fastest.tangential_m_s, fastest.settings[0].clone()), (4.0, ("release.z".to_owned(), 2.0)));
     }
 
     #[test]
