@@ -48,6 +48,7 @@ pub fn robot(bytes: &[u8]) {
             let quantity = QUANTITIES[i as usize % QUANTITIES.len()];
             Change {
                 joint: joint.name.clone(),
+                motion: joint.motion,
                 quantity,
                 value: 0.25 + f64::from(i),
                 interval: Some([0.1, 0.25 + f64::from(i)]),

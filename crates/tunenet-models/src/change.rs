@@ -1,5 +1,7 @@
 //! Numbers that identification found, joint by joint.
 
+use crate::Motion;
+
 /// What a number is. SI units; of a sliding joint N for N·m and m for rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
@@ -129,10 +131,45 @@ impl Quantity {
 pub struct Change {
     /// Name of the joint in the model.
     pub joint: String,
+    /// How that joint moves; what does not turn has units of a slide.
+    pub motion: Motion,
     /// What the number is.
     pub quantity: Quantity,
-    /// The number, in the unit of the quantity.
+    /// The number, in [`Self::unit`].
     pub value: f64,
     /// Its 95 % interval, in the same unit; `None` where it is not known.
     pub interval: Option<[f64; 2]>,
+}
+
+impl Change {
+    /// The unit of the number: that of the quantity, of a slide in m and N.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match (self.motion, self.quantity.unit()) {
+            (Motion::Prismatic, "rad") => "m",
+            (Motion::Prismatic, "rad/s") => "m/s",
+            (Motion::Prismatic, "N·m") => "N",
+            (Motion::Prismatic, "N·m/rad") => "N/m",
+            (Motion::Prismatic, "rad/(N·m)") => "m/N",
+            (Motion::Prismatic, "N·m·s/rad") => "N·s/m",
+            (Motion::Prismatic, "N·m·s²/rad²") => "N·s²/m²",
+            (Motion::Prismatic, "kg·m²") => "kg",
+            (_, unit) => unit,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_slide_are_in_metres_and_newtons() {
+        let unit =
+            |motion, quantity| Change { joint: "lift".into(), motion, quantity, value: 0.1, interval: None }.unit();
+        assert_eq!(unit(Motion::Prismatic, Quantity::VelocityGain), "N·s/m");
+        assert_eq!(unit(Motion::Prismatic, Quantity::Armature), "kg");
+        assert_eq!(unit(Motion::Prismatic, Quantity::CommandDelay), "s");
+        assert_eq!(unit(Motion::Revolute, Quantity::VelocityGain), "N·m·s/rad");
+    }
 }

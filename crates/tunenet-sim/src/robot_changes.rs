@@ -6,15 +6,16 @@
 use tunenet_formats::{Error, Result};
 use tunenet_models::edit::Left;
 use tunenet_models::export::{BamServo, Whole, WholeNumber};
-use tunenet_models::{Change, Quantity};
+use tunenet_models::{Change, Motion, Quantity};
 
 use crate::SimulationFile;
-use crate::arm::model_file;
+use crate::arm::{JointKind, Model, model_file};
 use crate::observed_robot::{chain, model_path, order, rig, roles};
 use crate::robot::imperfect::Imperfect;
 use crate::robot::numbers::JointNumbers;
 use crate::robot::numbers::Number;
 use crate::robot::{Drive, StatedMotor, driven_joints, stated_motors};
+use crate::scene::JointScene;
 use crate::simulation_file::PresentRobotEffect;
 use crate::simulation_file::robot_schema::BETWEEN;
 
@@ -53,13 +54,19 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
     let joints = driven_joints(&rig.joints, &roles(&parameters, &order), &values, &imperfect);
     let motors = described.as_ref().map(stated_motors).unwrap_or_default();
     let names = order.iter().map(|(key, _)| model_file::named(file, &whole, key)).collect::<Result<Vec<&str>>>()?;
-    let mut found =
-        RobotChanges { changes: Vec::new(), left: Vec::new(), whole: of_whole(&present), servos: Vec::new() };
+    let mut found = RobotChanges {
+        changes: Vec::new(),
+        left: Vec::new(),
+        whole: of_whole(&present, intervals),
+        servos: Vec::new(),
+    };
+    let kinds = kinds(&model, &order);
     for (place, (name, scene)) in order.iter().enumerate() {
         let is_parameter = |number: &str| parameters.iter().any(|one| one.name == format!("{name}{BETWEEN}{number}"));
         let one = OneJoint {
             name,
             in_model: names[place],
+            motion: kinds[place],
             place,
             numbers: &joints[place],
             of_model: &rig.joints[place],
@@ -89,8 +96,17 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
     Ok(found)
 }
 
+/// How each of these joints moves.
+fn kinds(model: &Model, order: &[(&str, &JointScene)]) -> Vec<Motion> {
+    let slides = |name: &str| {
+        let mut joints = model.joints().into_iter();
+        joints.any(|joint| joint.name == name && joint.kind == JointKind::Prismatic)
+    };
+    order.iter().map(|(name, _)| if slides(name) { Motion::Prismatic } else { Motion::Revolute }).collect()
+}
+
 /// Effects that no single joint has.
-fn of_whole(present: &[PresentRobotEffect]) -> Vec<Whole> {
+fn of_whole(present: &[PresentRobotEffect], intervals: Intervals) -> Vec<Whole> {
     let whole = present.iter().filter(|one| !one.effect.per_joint);
     whole
         .map(|one| Whole {
@@ -100,11 +116,21 @@ fn of_whole(present: &[PresentRobotEffect]) -> Vec<Whole> {
                 .coefficients
                 .iter()
                 .zip(&one.values)
-                .map(|(c, value)| WholeNumber { key: c.key.to_string(), value: *value })
+                .map(|(c, value)| WholeNumber {
+                    key: c.key.to_string(),
+                    value: *value,
+                    interval: of_effect(intervals, (one.effect.name, c.key.as_ref()), 0),
+                })
                 .collect(),
             why: "it belongs to the robot or its readings as a whole, for which the model file has no attribute".into(),
         })
         .collect()
+}
+
+/// The interval of an effect's number at a place, from 0: numbered where each joint has its own.
+fn of_effect(intervals: Intervals, (effect, key): (&str, &str), place: usize) -> Option<[f64; 2]> {
+    let numbered = intervals(&format!("{effect}.{key}.{}", place + 1));
+    numbered.or_else(|| intervals(&format!("{effect}.{key}")).filter(|_| place == 0))
 }
 
 /// A joint with all that its numbers come from.
@@ -112,6 +138,7 @@ struct OneJoint<'a> {
     name: &'a str,
     /// What the model calls it.
     in_model: &'a str,
+    motion: Motion,
     place: usize,
     numbers: &'a JointNumbers,
     /// The numbers before parameters and effects.
@@ -124,7 +151,7 @@ struct OneJoint<'a> {
 
 impl OneJoint<'_> {
     fn add(&self, found: &mut RobotChanges, quantity: Quantity, value: f64, interval: Option<[f64; 2]>) {
-        let change = Change { joint: self.in_model.to_owned(), quantity, value, interval };
+        let change = Change { joint: self.in_model.to_owned(), motion: self.motion, quantity, value, interval };
         if value < 0.0 && !quantity.signed() {
             let why = "a number below 0 is no property of a mechanism: model files and simulators refuse it".into();
             found.left.push(Left { change, why });
@@ -142,15 +169,25 @@ impl OneJoint<'_> {
             let sure = !self.has("firmware_gain") && !self.has("firmware_damping") && !self.has("duty_limit");
             own.filter(|_| sure).map(|ends| ends.map(|end| end * factor))
         };
+        // Of a stall torque that is not tuned, the gain is known as well as the factor that multiplies it.
+        let of_gain = self.of("firmware_gain", "factor").filter(|_| own.is_none());
+        let multiplied = |value: f64| {
+            let factor = self.present.iter().find(|one| one.effect.name == "firmware_gain")?.values.get(self.place)?;
+            of_gain.map(|ends| ends.map(|end| value * end / factor))
+        };
         let brakes = kd != 0.0 || self.motor.is_some_and(|motor| motor.kd != 0.0);
         match drive {
             Drive::Position => {
-                self.add(found, Quantity::PositionGain, stall * gain * kp, scaled(gain * kp));
+                let value = stall * gain * kp;
+                self.add(found, Quantity::PositionGain, value, scaled(gain * kp).or_else(|| multiplied(value)));
                 if brakes {
                     self.add(found, Quantity::VelocityGain, stall * kd, scaled(kd));
                 }
             }
-            Drive::Velocity => self.add(found, Quantity::VelocityGain, stall * gain * kp, scaled(gain * kp)),
+            Drive::Velocity => {
+                let value = stall * gain * kp;
+                self.add(found, Quantity::VelocityGain, value, scaled(gain * kp).or_else(|| multiplied(value)));
+            }
             Drive::Torque | Drive::Voltage => {}
         }
         // What the model does not limit gets a limit only where one was found.
@@ -187,6 +224,9 @@ impl OneJoint<'_> {
         let n = self.numbers;
         let speed_limit = if n.inverse_speed > 0.0 { n.inverse_speed.recip() } else { 0.0 };
         let turned = |[low, high]: [f64; 2]| [high.recip(), low.recip()];
+        // Without the effect, the spring is that of the model.
+        let stiffness = if self.has("joint_spring") { n.spring } else { 0.0 };
+        let spring = self.of("joint_spring", "nm_rad").map(|ends| ends.map(|end| end + self.of_model.spring));
         let all = [
             (Quantity::CommandDelay, n.command_delay_s, self.of("command_delay", "s")),
             (Quantity::ReleaseDelay, n.release_delay_s, self.of("release_delay", "s")),
@@ -211,7 +251,8 @@ impl OneJoint<'_> {
                 self.of("directional_friction", "nm").map(|ends| ends.map(|end| 2.0 * end)),
             ),
             (Quantity::QuadraticFriction, n.quadratic, self.of("quadratic_friction", "nms2_rad2")),
-            (Quantity::Stiffness, n.spring, self.of("joint_spring", "nm_rad")),
+            (Quantity::Stiffness, stiffness, spring),
+            (Quantity::SpringReference, if stiffness == 0.0 { 0.0 } else { n.preload / stiffness }, None),
             (Quantity::Compliance, n.compliance, self.of("joint_elasticity", "rad_nm")),
             (Quantity::VoltageSag, n.sag_ohm, self.of("voltage_sag", "ohm")),
             (Quantity::ReleaseBraking, n.release_braking, self.of("release_braking", "nms_rad")),
@@ -234,8 +275,7 @@ impl OneJoint<'_> {
 
     /// The interval of this joint's number of an effect.
     fn of(&self, effect: &str, key: &str) -> Option<[f64; 2]> {
-        let numbered = (self.intervals)(&format!("{effect}.{key}.{}", self.place + 1));
-        numbered.or_else(|| (self.intervals)(&format!("{effect}.{key}")).filter(|_| self.place == 0))
+        of_effect(self.intervals, (effect, key), self.place)
     }
 }
 

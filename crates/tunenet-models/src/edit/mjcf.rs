@@ -270,6 +270,10 @@ fn why_not(quantity: Quantity) -> &'static str {
         Quantity::Backlash => "MJCF has it only as a second joint between motor and link",
         Quantity::Compliance => "MJCF has it only as a second joint with a spring between motor and link",
         Quantity::ZeroOffset => "MJCF has no offset of a reading: subtract it from the recordings",
+        Quantity::CommandOffset => "MJCF has no offset of a command: add it to the command before the simulation",
+        Quantity::DeadBand => {
+            "MJCF has no dead band: leave out errors within it before the command reaches the simulation"
+        }
         Quantity::TorqueBias | Quantity::TorqueFactor => "it belongs to the command: change it before the simulation",
         _ => "MJCF has no attribute for it: add it as a force in the simulation loop",
     }

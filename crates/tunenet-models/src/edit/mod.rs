@@ -73,11 +73,11 @@ impl Edited {
 /// The model's text with these numbers.
 ///
 /// ```
-/// use tunenet_models::{Change, Model, Quantity, edit};
+/// use tunenet_models::{Change, Model, Motion, Quantity, edit};
 /// let text = "<mujoco><worldbody><body><!-- the elbow --><joint name='elbow'  damping = '1'/>\
 ///   <geom size='0.1'/></body></worldbody></mujoco>";
 /// let model = Model::parse("arm.xml".as_ref(), text)?;
-/// let change = |quantity, value| Change { joint: "elbow".into(), quantity, value, interval: None };
+/// let change = |quantity, value| Change { joint: "elbow".into(), motion: Motion::Revolute, quantity, value, interval: None };
 /// let changes = [change(Quantity::ViscousFriction, 0.25), change(Quantity::DeadBand, 0.01)];
 /// let edited = edit::edit(&model, &changes)?;
 /// assert_eq!(edited.files[0].text, text.replace("'1'", "'0.25'"));

@@ -71,7 +71,7 @@ pub fn isaac_lab(changes: &[Change], whole: &[Whole], physics_step_s: f64) -> St
         |joint: &str| joints.get(joint).is_some_and(|numbers| numbers.contains_key(&Quantity::ViscousFriction));
     let within = |change: &Change| change.quantity == Quantity::BackEmf && viscous(&change.joint);
     for change in changes.iter().filter(|change| !expressed(change.quantity) && !within(change)) {
-        let (name, unit) = (change.quantity.name(), change.quantity.unit());
+        let (name, unit) = (change.quantity.name(), change.unit());
         let _ = writeln!(text, "# not in Isaac Lab: {name} of {} = {:?} {unit}", python(&change.joint), change.value);
     }
     for effect in whole {

@@ -20,7 +20,7 @@ pub fn ranges(model: &str, changes: &[Change]) -> Value {
             continue;
         };
         let low = if quantity.signed() { low } else { low.max(0.0) };
-        let (unit, value) = (quantity.unit(), change.value);
+        let (unit, value) = (change.unit(), change.value);
         ranges.push(json!({ "name": name, "unit": unit, "value": value, "low": low, "high": high,
             "joint": joint, "quantity": quantity.name() }));
     }
@@ -30,11 +30,17 @@ pub fn ranges(model: &str, changes: &[Change]) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quantity;
+    use crate::{Motion, Quantity};
 
     #[test]
     fn intervals_become_ranges_and_others_are_listed() {
-        let change = |quantity, interval| Change { joint: "elbow".into(), quantity, value: 0.1, interval };
+        let change = |quantity, interval| Change {
+            joint: "elbow".into(),
+            motion: Motion::Revolute,
+            quantity,
+            value: 0.1,
+            interval,
+        };
         let all = [
             change(Quantity::CoulombFriction, Some([-0.1, 0.3])),
             change(Quantity::TorqueBias, Some([-0.1, 0.3])),

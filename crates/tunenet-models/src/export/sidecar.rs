@@ -24,10 +24,12 @@ pub struct WholeNumber {
     pub key: String,
     /// Its value.
     pub value: f64,
+    /// Its 95 % interval; `None` where it is not known.
+    pub interval: Option<[f64; 2]>,
 }
 
 /// A TOML with a table for each joint and quantity: `value`, `unit`, `interval` where it is known, and `why` the model file
-/// cannot hold it; and one for each effect of the robot as a whole. Empty where there is nothing to say.
+/// cannot hold it; and one for each effect of the robot as a whole, with a table `interval`. Empty where there is nothing to say.
 #[must_use]
 pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
     if left.is_empty() && whole.is_empty() {
@@ -47,7 +49,7 @@ pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
         });
         let mut table = Table::new();
         table["value"] = value(change.value);
-        table["unit"] = value(change.quantity.unit());
+        table["unit"] = value(change.unit());
         if let Some(interval) = change.interval {
             table["interval"] = value(Array::from_iter(interval));
         }
@@ -65,6 +67,13 @@ pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
             table[number.key.as_str()] = value(number.value);
         }
         table["why"] = value(&one.why);
+        let mut intervals = Table::new();
+        for (number, interval) in one.numbers.iter().filter_map(|number| Some((number, number.interval?))) {
+            intervals[number.key.as_str()] = value(Array::from_iter(interval));
+        }
+        if !intervals.is_empty() {
+            table["interval"] = Item::Table(intervals);
+        }
         robot[one.effect.as_str()] = Item::Table(table);
     }
     if !whole.is_empty() {
@@ -76,26 +85,28 @@ pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Change, Quantity};
+    use crate::{Change, Motion, Quantity};
 
     #[test]
     fn a_sidecar_reads_back() {
         let change = Change {
             joint: "arm \"1\".x".into(),
+            motion: Motion::Prismatic,
             quantity: Quantity::DeadBand,
             value: 0.01,
             interval: Some([0.0, 0.02]),
         };
         let left = [Left { change, why: "MJCF has no attribute for it".into() }];
-        let delay = WholeNumber { key: "delay_s".into(), value: 0.02 };
+        let delay = WholeNumber { key: "delay_s".into(), value: 0.02, interval: Some([0.01, 0.03]) };
         let whole = [Whole { effect: "time_delay".into(), numbers: vec![delay], why: "it is one of readings".into() }];
         let text = sidecar("folder/arm.xml".as_ref(), &left, &whole);
         let read: DocumentMut = text.parse().unwrap();
         assert_eq!(read["model"].as_str(), Some("arm.xml"));
         let table = &read["joints"]["arm \"1\".x"]["dead_band"];
-        assert_eq!((table["value"].as_float(), table["unit"].as_str()), (Some(0.01), Some("rad")));
+        assert_eq!((table["value"].as_float(), table["unit"].as_str()), (Some(0.01), Some("m")));
         assert_eq!(table["interval"][1].as_float(), Some(0.02));
-        assert_eq!(read["robot"]["time_delay"]["delay_s"].as_float(), Some(0.02));
+        let delay = &read["robot"]["time_delay"];
+        assert_eq!((delay["delay_s"].as_float(), delay["interval"]["delay_s"][1].as_float()), (Some(0.02), Some(0.03)));
         assert_eq!(sidecar("arm.xml".as_ref(), &[], &[]), "");
     }
 }

@@ -6,12 +6,12 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 use serde_json::Value;
 use tunenet_models::edit::{Edited, edit};
-use tunenet_models::{Change, Model, Quantity};
+use tunenet_models::{Change, Model, Motion, Quantity};
 
 use super::support::{generator, judge, newton_euler, numbers, python_with};
 
 fn change(joint: &str, quantity: Quantity, value: f64) -> Change {
-    Change { joint: joint.into(), quantity, value, interval: None }
+    Change { joint: joint.into(), motion: Motion::Revolute, quantity, value, interval: None }
 }
 
 /// What a text is made of: tags with their attributes, and every byte between them.

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use tunenet_models::export::{Whole, WholeNumber, isaac_lab};
-use tunenet_models::{Change, Quantity};
+use tunenet_models::{Change, Motion, Quantity};
 
 /// Stand-ins for Isaac Lab, which needs a GPU: they keep what they are given, and patterns must fit one name each.
 const STUB: &str = r#"
@@ -34,7 +34,13 @@ print("same")
 
 #[test]
 fn isaac_lab_gets_the_numbers() {
-    let change = |joint: &str, quantity, value, interval| Change { joint: joint.into(), quantity, value, interval };
+    let change = |joint: &str, quantity, value, interval| Change {
+        joint: joint.into(),
+        motion: Motion::Revolute,
+        quantity,
+        value,
+        interval,
+    };
     let changes = [
         change("arm.1", Quantity::PositionGain, 12.5, None),
         change("arm.1", Quantity::CommandDelay, 0.034, Some([0.031, 0.038])),
@@ -44,7 +50,7 @@ fn isaac_lab_gets_the_numbers() {
         change("a\"b\\", Quantity::BackEmf, 0.5, None),
         change("arm.1", Quantity::DeadBand, 0.01, None),
     ];
-    let delay = WholeNumber { key: "s".into(), value: 0.02 };
+    let delay = WholeNumber { key: "s".into(), value: 0.02, interval: None };
     let whole = [Whole { effect: "time_delay".into(), numbers: vec![delay], why: String::new() }];
     let text = isaac_lab(&changes, &whole, 0.005);
     assert!(text.contains("# not in Isaac Lab: dead_band of \"arm.1\" = 0.01 rad"), "{text}");

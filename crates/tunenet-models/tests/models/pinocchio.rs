@@ -105,7 +105,13 @@ fn urdfs_are_the_same_in_pinocchio() {
     let (mut paths, mut robots) = (Vec::new(), Vec::new());
     for (name, text) in &texts {
         let model = Model::parse_alone(Path::new(name), text).unwrap_or_else(|error| panic!("{error}"));
-        let change = |joint: &str, quantity, value| Change { joint: joint.into(), quantity, value, interval: None };
+        let change = |joint: &str, quantity, value| Change {
+            joint: joint.into(),
+            motion: Motion::Revolute,
+            quantity,
+            value,
+            interval: None,
+        };
         let changes: Vec<Change> = model
             .robot()
             .joints

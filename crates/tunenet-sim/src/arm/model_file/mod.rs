@@ -14,7 +14,7 @@ use std::path::Path;
 
 use tunenet_formats::{Action, Error, Result, read_text};
 use tunenet_models::edit::{self, Edited};
-use tunenet_models::{Change, Format, Quantity, Robot};
+use tunenet_models::{Change, Format, Motion, Quantity, Robot};
 
 pub use self::keyed::{key_of, keyed, named};
 use self::left_out::Driven;
@@ -75,7 +75,13 @@ pub struct JointFriction {
 /// # Errors
 /// As [`read`] and [`edited`].
 pub fn with_friction(path: &Path, joints: &[JointFriction]) -> Result<String> {
-    let change = |joint: &str, quantity, value| Change { joint: joint.to_owned(), quantity, value, interval: None };
+    let change = |joint: &str, quantity, value| Change {
+        joint: joint.to_owned(),
+        motion: Motion::Revolute,
+        quantity,
+        value,
+        interval: None,
+    };
     let changes: Vec<Change> = joints
         .iter()
         .flat_map(|one| {
