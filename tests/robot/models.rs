@@ -191,10 +191,15 @@ fn by_mujoco(folder: &Folder, case: &Value) -> Result<Vec<Vec<f64>>, String> {
     serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())
 }
 
-/// MuJoCo reads the written model and swings as the tuned simulation does, effects that MJCF can express included.
+/// MuJoCo reads the written model and swings as the tuned simulation does, effects that MJCF can express and springs of the model
+/// included.
 #[test]
 fn validate_a_written_model_against_mujoco_within_a_milliradian() {
     let folder = folder();
+    let sprung = MODEL
+        .replace("name=\"shoulder\"", "name=\"shoulder\" stiffness=\"0.9\" springref=\"0.3\"")
+        .replace("name=\"elbow\"", "name=\"elbow\" stiffness=\"0.3\" springref=\"-0.4\"");
+    folder.write("two.xml", sprung);
     // Effects that MJCF can express, in the simulation only; the model gets them by being written.
     let effects = "\n[effects.command_delay]\ns = [0.03, 0.0]\n[effects.quadratic_friction]\nnms2_rad2 = [0.02, 0.0]\n\
                    [effects.joint_spring]\nnm_rad = [0.0, 0.5]\n[effects.firmware_gain]\nfactor = [0.8, 1.2]\n";

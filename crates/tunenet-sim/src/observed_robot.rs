@@ -265,6 +265,8 @@ fn numbers(joint: &JointScene, of_model: &crate::arm::Joint) -> JointNumbers {
         viscous: of_model.damping,
         coulomb: of_model.friction,
         armature: of_model.armature,
+        spring: of_model.stiffness,
+        preload: of_model.stiffness * of_model.spring_rest,
         ..JointNumbers::free(joint.drive)
     }
 }

@@ -55,6 +55,11 @@ pub struct Joint {
     /// Inertia of the rotor as the joint feels it, kg·m² or kg; 0 of a URDF, which has none. Arms that torques drive take it from
     /// their simulation file instead.
     pub armature: f64,
+    /// Spring of the joint, N·m/rad or N/m; 0 of a URDF, which has none. Arms that torques drive take it from their simulation file
+    /// instead.
+    pub stiffness: f64,
+    /// Position at which the spring is at rest, rad or m.
+    pub spring_rest: f64,
 }
 
 impl Joint {

@@ -123,7 +123,7 @@ impl<'a> Chain<'a> {
             let mut renewed = pass == 0;
             for (j, joint) in self.joints.iter().enumerate() {
                 let (place, measured, middle) = (self.place[j], self.measured[j], self.middle[j]);
-                let outside = -self.bias[j] - joint.spring * place;
+                let outside = -self.bias[j] + joint.preload - joint.spring * place;
                 let before = self.motors[j].braking;
                 self.motors[j] = motor(joint, commands[j], measured, middle);
                 let Motor { torque, braking, passive } = self.motors[j];

@@ -51,7 +51,10 @@ pub(crate) struct JointNumbers {
     pub zero: f64,
     pub stribeck: f64,
     pub stribeck_speed: f64,
+    /// Stiffness of the spring between link and carrier.
     pub spring: f64,
+    /// Torque of that spring at position 0: stiffness times position at rest.
+    pub preload: f64,
     /// Twist between motor and link by torque.
     pub compliance: f64,
     /// Whole width of the gap between motor and link.
@@ -113,6 +116,7 @@ impl JointNumbers {
             stribeck: 0.0,
             stribeck_speed: 1.0,
             spring: 0.0,
+            preload: 0.0,
             compliance: 0.0,
             gap: 0.0,
             inverse_speed: 0.0,

@@ -42,7 +42,7 @@ impl Load {
 #[inline]
 pub(super) fn outside(joint: &JointNumbers, load: &Load, q: f64) -> f64 {
     let true_q = q + joint.zero;
-    load.torque(true_q) - joint.spring * true_q
+    load.torque(true_q) + joint.preload - joint.spring * true_q
 }
 
 /// The speed at the end of a step where the motor's torque is `motor`.

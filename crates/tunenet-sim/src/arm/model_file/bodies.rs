@@ -98,7 +98,9 @@ fn described(robot: &Robot, index: usize) -> Joint {
         effort: effort.unwrap_or(f64::INFINITY),
     };
     let (damping, friction, armature) = (joint.damping, joint.friction, joint.armature);
-    Joint { name: joint.name.clone(), kind, axis: joint.axis, limits, damping, friction, armature }
+    let (stiffness, spring_rest) = (joint.stiffness, joint.spring_reference);
+    let name = joint.name.clone();
+    Joint { name, kind, axis: joint.axis, limits, damping, friction, armature, stiffness, spring_rest }
 }
 
 fn without_mass(path: &Path, link: &str, what: &str) -> Error {

@@ -29,11 +29,12 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         let text = format!("the model file states what the simulation leaves out: {}", listed(&named));
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "check that it does not matter, or remove it"));
     }
+    // Joints that commands drive take both from the model.
     let effects = [
-        ("armature (`effects.armature`)", (|joint| joint.armature) as fn(&Joint) -> f64, driven == Driven::Torques),
-        ("springs (`effects.joint_spring`)", |joint| joint.stiffness, true),
+        ("armature (`effects.armature`)", (|joint| joint.armature) as fn(&Joint) -> f64),
+        ("springs (`effects.joint_spring`)", |joint| joint.stiffness),
     ];
-    for (what, number, _) in effects.into_iter().filter(|(.., named)| *named) {
+    for (what, number) in effects.into_iter().filter(|_| driven == Driven::Torques) {
         let stated = robot.joints.iter().filter(|joint| number(joint) != 0.0);
         let stated: Vec<String> = stated.map(|joint| format!("`{}` {}", visible(&joint.name), number(joint))).collect();
         if !stated.is_empty() {

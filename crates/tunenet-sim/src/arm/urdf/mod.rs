@@ -121,7 +121,9 @@ impl File<'_> {
         }
         let limits = self.limits(joint, kind)?;
         let (damping, friction) = (dynamics.damping, dynamics.friction);
-        let joint = Joint { name: joint.name.clone(), kind, axis, limits, damping, friction, armature: 0.0 };
+        let (armature, stiffness, spring_rest) = (0.0, 0.0, 0.0);
+        let name = joint.name.clone();
+        let joint = Joint { name, kind, axis, limits, damping, friction, armature, stiffness, spring_rest };
         notes.extend(joint.without_limits());
         Ok(joint)
     }
