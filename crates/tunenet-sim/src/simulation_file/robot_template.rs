@@ -91,7 +91,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             let effort = Some(joint.limits.effort).filter(|effort| effort.is_finite());
             let mut default = value(number, known.default, motor, (joint, effort));
             match number {
-                "zero" if start.columns.is_some() => default = [0.0, -ZERO_OF_A_LOG, ZERO_OF_A_LOG],
+                "zero" if start.columns.is_some() => default = zero_of_a_log(joint),
                 // Such a log shows both brakings as one, which is tuned as `viscous`.
                 "back_emf" if start.columns.is_some() => default[0] = 0.0,
                 _ => {}
@@ -210,21 +210,26 @@ fn value(
     let stated = |of: fn(&StatedMotor) -> f64| motor.map(of).filter(|value| *value > 0.0);
     let of_joint = |value: f64| Some(value).filter(|value| *value > 0.0);
     let greatest = default[2];
+    // A model that states a motor and none of a number means 0.
+    let absent = motor.map(|_| [0.0, 0.0, greatest]);
     let found = match number {
         "stall_torque" => {
             motor.and_then(|motor| motor.stall_torque).or(effort).map(|value| around(value, value / 10.0, 0.0))
         }
         // It is in the damping of the model.
-        "back_emf" => motor.map(|_| [0.0, 0.0, greatest]),
-        "viscous" => {
-            stated(|motor| motor.damping).or(of_joint(joint.damping)).map(|value| around(value, 0.0, greatest))
-        }
-        "coulomb" => {
-            stated(|motor| motor.friction).or(of_joint(joint.friction)).map(|value| around(value, 0.0, greatest))
-        }
+        "back_emf" => absent,
+        "viscous" => stated(|motor| motor.damping)
+            .or(of_joint(joint.damping))
+            .map(|value| around(value, 0.0, greatest))
+            .or(absent),
+        "coulomb" => stated(|motor| motor.friction)
+            .or(of_joint(joint.friction))
+            .map(|value| around(value, 0.0, greatest))
+            .or(absent),
         "armature" => stated(|motor| motor.armature)
             .or(of_joint(joint.armature))
-            .map(|value| around(value, value / 10.0, greatest)),
+            .map(|value| around(value, value / 10.0, greatest))
+            .or(absent),
         _ => None,
     };
     found.unwrap_or(default)
@@ -233,6 +238,14 @@ fn value(
 /// How far the zero of a log may be from that of the model, rad or m: a quarter turn, since a log that is normalised to the range of its
 /// calibration has a zero of its own.
 const ZERO_OF_A_LOG: f64 = 1.6;
+
+/// The zero of a joint's log, and how far from the model's it may be; a slide's no farther than the joint moves.
+fn zero_of_a_log(joint: &Joint) -> [f64; 3] {
+    let travel = joint.limits.upper - joint.limits.lower;
+    let slides = joint.kind == JointKind::Prismatic && travel > 0.0;
+    let most = if slides { ZERO_OF_A_LOG.min(travel) } else { ZERO_OF_A_LOG };
+    [0.0, -most, most]
+}
 
 /// The input that switches all motors.
 const SWITCH: &str = "
