@@ -84,6 +84,9 @@ finding_kinds! {
     note ROBOT_JUMPS = "robot.jumps",
         "single samples of a joint jump and are left out",
         "none needed; check the wiring where there are many";
+    warning ROBOT_GAP = "robot.gap",
+        "a recording pauses much longer than between its other samples, and the simulation holds the last commands meanwhile",
+        "correct the stamps, or give the parts before and after as recordings of their own";
     warning ROBOT_STILL = "robot.still",
         "a joint never moves",
         "leave it out of `[joints]`, or record it while it moves";

@@ -15,6 +15,9 @@ use crate::findings;
 
 /// A sample this much farther from the median of the seven around it than the motion there explains is a jump of the reading, rad or m.
 const JUMP: f64 = 0.25;
+/// A pause this long, s, and this many times the usual one, is a gap.
+const GAP_S: f64 = 0.5;
+const GAP_PERIODS: f64 = 20.0;
 const WINDOW: usize = 7;
 /// First samples that are so many standard deviations of the noise apart show a motion.
 const MOVES: f64 = 6.0;
@@ -65,6 +68,7 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
         )));
     }
     prepared.seen = seen;
+    checks.extend(gap(prepared.seen.clock()).map(noticed));
     let known = prepared.circumstances.clone().unwrap_or_default();
     for (channel, reading) in layout.readings.iter().enumerate() {
         if reading.quantity != Quantity::Position {
@@ -91,6 +95,22 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
     prepared.notes.extend(checks.iter().filter_map(Check::note));
     prepared.checks.extend(checks);
     Ok(Preparation::Usable(prepared))
+}
+
+/// The longest pause of a clock, where it is much longer than the others: a simulation goes on in it with the last command.
+fn gap(clock: &[f64]) -> Option<Note> {
+    let pauses = || clock.windows(2).map(|two| two[1] - two[0]);
+    let (before, longest_s) = pauses().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if longest_s < GAP_S || longest_s < GAP_PERIODS * median(pauses())? {
+        return None;
+    }
+    let text = format!(
+        "no samples for {} s after {} s: the simulation holds the last commands meanwhile",
+        with_decimals(longest_s, 2),
+        with_decimals(clock[before], 2)
+    );
+    let remedy = "correct the stamps, or give the parts before and after as recordings of their own";
+    Some(Note::new(findings::ROBOT_GAP, text, remedy))
 }
 
 fn noticed(note: Note) -> Check {
@@ -322,6 +342,18 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_pause_is_noticed_and_an_uneven_clock_is_not() {
+        let clock = |late_s: f64| -> Vec<f64> {
+            (0..100).map(|i| 0.02 * f64::from(i) + if i < 40 { 0.0 } else { late_s }).collect()
+        };
+        let text = gap(&clock(9.0)).unwrap().text;
+        assert_eq!(text, "no samples for 9.02 s after 0.78 s: the simulation holds the last commands meanwhile");
+        assert!(gap(&clock(0.3)).is_none());
+        let slow: Vec<f64> = (0..20).map(f64::from).collect();
+        assert!(gap(&slow).is_none() && gap(&[]).is_none());
+    }
 
     #[test]
     fn a_joint_that_follows_shows_in_which_unit_its_commands_are() {
