@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::csv::columns::found;
+use crate::csv::columns::{Layout, found};
 use crate::findings;
 use crate::proposal::proposal;
 use crate::quantity::Quantity;
@@ -12,7 +12,7 @@ use crate::sheet::Sheet;
 use crate::unit_misfit::{calibration_misfit, note_misfit};
 use crate::units::{self, ACTION, UnitRule};
 use crate::{Error, Result, shell_word};
-use tunenet_core::observation::{Note, plain};
+use tunenet_core::observation::{Channel, Note, plain};
 
 /// What `--units` says of a plain number, which has the unit that `--columns` gives it.
 const PLAIN: &str = "1";
@@ -99,7 +99,7 @@ impl Unstated {
         };
         let unknown: Vec<usize> = asked.iter().copied().filter(|column| self.factors[*column].is_none()).collect();
         let Some(first) = unknown.first() else {
-            made?;
+            self.refuse_other_dimension(path, &made?)?;
             // As the file has them: what a calibration file states was held against them above.
             let read = |column: usize| -> Vec<f64> {
                 let factor = self.factors[column].unwrap_or(1.0);
@@ -133,6 +133,25 @@ impl Unstated {
             shell_word(&flags.join(","))
         );
         Err(Error::file(path, message, hint))
+    }
+
+    /// Refuses a unit in which the channel that a column is read as cannot be measured: `--columns` gives it no unit of its own.
+    ///
+    /// # Errors
+    /// [`Error::File`] with both units.
+    fn refuse_other_dimension(&self, path: &Path, layout: &Layout) -> Result<()> {
+        for (channel, source) in layout.channels.iter().zip(&layout.values) {
+            let Some(column) = source.as_ref().and_then(|source| source.column.checked_sub(1)) else { continue };
+            let Some(rule) = self.rules[column].as_ref() else { continue };
+            let unit = Channel::from_header(&format!("x_{}", units::own(rule).1)).map(|stated| stated.unit);
+            if channel.unit == PLAIN || unit.is_none_or(|unit| unit == channel.unit || unit == PLAIN) {
+                continue;
+            }
+            let (name, header, said) = (&self.names[column], channel.header(), &rule.unit);
+            let message = format!("`{name}` is read as `{header}`: expected a unit of {}, found {said}", channel.unit);
+            return Err(Error::file(path, message, "correct the unit in `--units`, or the column in `--columns`"));
+        }
+        Ok(())
     }
 
     /// Refuses numbers that are not normalised as their calibration file says: degrees, or another robot's.
