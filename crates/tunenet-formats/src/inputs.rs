@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation};
+use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation, plain};
 use tunenet_core::text::visible;
 
 use crate::contents;
@@ -74,7 +74,11 @@ impl InputSource {
             other => others::column_names(place, other)?,
         };
         let Some(wanted) = self.column(options) else {
-            return Ok(!names.iter().any(|name| own_columns::is_meant(name, &self.channel)));
+            // Names of data sets and of HDF5 have no units: `--units` states these.
+            let bare = matches!(kind, None | Some(Format::Hdf5));
+            let is_meant =
+                |name: &String| own_columns::is_meant(name, &self.channel) || bare && plain(name) == self.channel.name;
+            return Ok(!names.iter().any(is_meant));
         };
         let bare = wanted.strip_prefix('-').unwrap_or(wanted);
         Ok(bare.parse::<usize>().is_err() && !names.iter().any(|name| name == wanted || name == bare))

@@ -33,7 +33,12 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
         headers.iter().enumerate().filter(|(_, name)| file.domain() == Domain::Robot && !starts_at(file, name));
     for (at, path) in joints.filter_map(|(at, _)| Some((at, given?))) {
         if let Some(found) = read_if_there(path, options, &channels[at])? {
-            values[at] = found.observation.row(0)[0];
+            // An initial state is judged by the first samples together, as in a recording that is tuned to.
+            let seen = found.observation.values();
+            let last = seen.len().saturating_sub(1);
+            for (i, row) in values.chunks_exact_mut(channels.len()).enumerate() {
+                row[at] = seen[i.min(last)];
+            }
         }
     }
     let observation = Observation::new(Kind::Other, channels, clock, values)?;
