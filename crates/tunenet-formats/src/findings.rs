@@ -43,8 +43,8 @@ finding_kinds! {
         "messages with a number that is not finite were left out",
         "none needed if they are few";
     warning MESSAGES_LAYOUT = "messages.layout",
-        "messages whose arrays have another length than those of the first were left out",
-        "none needed if they are few";
+        "messages without some of the columns of the first message were left out",
+        "record a topic whose messages have all of them; none needed if they are few";
     warning MESSAGES_REPEATED = "messages.repeated",
         "messages that repeat the previous one were left out",
         "none needed";

@@ -207,11 +207,13 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     let wanted: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
     let pairs: Vec<(String, String)> = if header.named {
         let known = |name: &str| header_of(name, channels);
+        let mapped = |ours: &String| options.columns.iter().any(|(of_ours, _)| of_ours == ours);
         let missing = wanted.iter().filter(|ours| !cells.iter().any(|c| known(c.text).as_ref() == Some(*ours)));
-        let missing: Vec<&String> = missing.collect();
+        let missing: Vec<&String> = missing.filter(|ours| !mapped(ours)).collect();
         // What has the other role is no proposal.
         let mut strange: Vec<&str> = cells.iter().map(|cell| cell.text).filter(|text| !text.is_empty()).collect();
-        strange.retain(|text| known(text).is_none() && !is_other(text, others));
+        let taken = |text: &str| options.columns.iter().any(|(_, theirs)| theirs.trim_start_matches('-') == text);
+        strange.retain(|text| known(text).is_none() && !is_other(text, others) && !taken(text));
         let mut pairs = Vec::new();
         for &ours in &missing {
             let fits =
@@ -256,8 +258,16 @@ fn has_unit(theirs: &str) -> bool {
     Channel::from_header(theirs).is_some()
 }
 
-/// Whether both names end in units of different quantities: the one is no proposal for the other.
+/// What stands in names of commands, and of what else than positions a message of joints holds.
+const NO_POSITIONS: [&str; 4] = ["velocity.", "effort.", "action.", "command."];
+
+/// Whether both names end in units of different quantities, or the other one is no position: the one is no proposal for the other.
 fn contradicts(ours: &str, theirs: &str) -> bool {
+    let position = Channel::from_header(ours).is_some_and(|own| ["rad", "m"].contains(&own.unit.as_str()));
+    let goal = |name: &str| name.contains("goal");
+    if position && (NO_POSITIONS.iter().any(|head| theirs.starts_with(head)) || goal(theirs) && !goal(ours)) {
+        return true;
+    }
     let (Some(own), Some(other)) = (Channel::from_header(ours), Channel::from_header(theirs)) else { return false };
     let converted = conversions(&own.unit).iter().any(|(known, _)| theirs.ends_with(&format!("_{known}")));
     own.unit != other.unit && !converted

@@ -1,6 +1,6 @@
 //! Which of the numbers in a topic's messages are meant, where they are read as columns.
 
-use tunenet_core::observation::Channel;
+use tunenet_core::observation::{Channel, plain};
 
 use super::topics::Topic;
 use crate::quantity::{Meaning, Quantity, meaning};
@@ -34,7 +34,16 @@ fn of_joint(topic: &Topic, channel: &Channel) -> Option<String> {
         _ => return None,
     };
     let name = format!("{array}.{}", channel.name);
-    topic.columns.contains(&name).then_some(name)
+    if topic.columns.contains(&name) {
+        return Some(name);
+    }
+    // A simulation file has joints by the nearest key: `wheel fl` is `wheel_fl`.
+    let is_meant = |column: &&String| {
+        let joint = column.strip_prefix(array).and_then(|rest| rest.strip_prefix('.'));
+        joint.is_some_and(|joint| plain(joint) == channel.name.to_lowercase())
+    };
+    let mut meant = topic.columns.iter().filter(is_meant);
+    meant.next().filter(|_| meant.next().is_none()).cloned()
 }
 
 /// Whether what is asked for are columns of `topic`, rather than what its messages make by themselves.
@@ -47,7 +56,7 @@ pub(crate) fn asked(topic: &Topic, options: &ReadOptions) -> bool {
         pattern || topic.columns.iter().any(|name| name == bare)
     };
     let mapped = options.columns.iter().any(|(_, theirs)| is_column(theirs));
-    let by_joint = !options.channels.is_empty() && options.channels.iter().all(|c| of_joint(topic, c).is_some());
+    let by_joint = options.channels.iter().any(|c| of_joint(topic, c).is_some());
     !topic.columns.is_empty() && (topic.usable.is_err() || mapped || by_joint)
 }
 
@@ -108,6 +117,10 @@ mod tests {
         let joints = topic(&["position.elbow", "velocity.elbow"], true);
         let by_name = options(&["elbow_rad", "elbow_rad_s"], &[], Role::Predicted);
         assert!(asked(&joints, &by_name));
+        let renamed = topic(&["position.Wheel fl", "position.wheel.rr"], true);
+        let of = |header| of_joint(&renamed, &Channel::from_header(header).unwrap());
+        assert_eq!(of("wheel_fl_rad").as_deref(), Some("position.Wheel fl"));
+        assert_eq!((of("wheel_rr_rad").as_deref(), of("wheel_rad")), (Some("position.wheel.rr"), None));
         let pairs = reading(&joints, &by_name).columns;
         assert_eq!(pairs[1], ("elbow_rad_s".into(), "velocity.elbow".into()));
         assert!(!asked(&joints, &options(&["q1_rad"], &[], Role::Predicted)));

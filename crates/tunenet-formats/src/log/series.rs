@@ -15,13 +15,15 @@ use crate::ros::message::{Decoded, JointMessage, Sample, Way};
 use crate::ros::numbers::Numbers;
 use crate::ros::stamps::to_s;
 use crate::sheet::Sheet;
-use crate::shown::counted;
+use crate::shown::{counted, list};
 use crate::{Error, Result};
 use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
 
 /// Share of messages below which out-of-order stamps and numbers that are not finite are left out; a hiccup of a driver
 /// stays far below, a wrong clock far above.
 const FEW: f64 = 0.01;
+/// Most columns that a note names.
+const MOST_NAMED: usize = 12;
 
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let survey = survey(path, &options.definitions)?;
@@ -45,7 +47,10 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
         let decoder = message.channel.decoder.as_ref().map_err(ToString::to_string);
         let added = decoder.and_then(|decoder| {
             if as_columns {
-                let rows = decoder.rows(&message.data, series.names.is_empty())?;
+                let mut rows = decoder.rows(&message.data, series.names.is_empty())?;
+                if rows.first().is_some_and(|row| series.differs(row)) {
+                    rows = decoder.rows(&message.data, true)?;
+                }
                 rows.into_iter().try_for_each(|row| series.add_numbers(number, row, message.log_time))
             } else {
                 series.add(number, decoder.decode(&message.data, false)?, message.log_time)
@@ -61,6 +66,17 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let mut recording = series.finish(options)?;
     recording.notes.extend(absent_parts(&files));
     Ok(recording)
+}
+
+/// A refusal, with the columns that only messages unlike the first have.
+fn with_other_columns(error: Error, names: &[String]) -> Error {
+    match error {
+        Error::File { path, message, hint } if !names.is_empty() => {
+            let others = list(names.iter().map(String::as_str), MOST_NAMED);
+            Error::file(path, format!("{message}; other messages have {others}"), hint)
+        }
+        other => other,
+    }
 }
 
 /// That a topic holds more numbers than are read, and how its log is cut.
@@ -89,8 +105,10 @@ struct Series<'a> {
     /// The names of the columns, and the layout of the first message, where numbers are read as columns.
     names: Vec<String>,
     layout: Vec<u8>,
-    /// Messages with another layout.
+    /// Messages without some of the columns.
     other_layout: usize,
+    /// Columns of such messages that the first one does not have.
+    other_names: Vec<String>,
     /// Messages with a number that is not finite, and the first of them.
     not_finite: (usize, u64),
 }
@@ -117,19 +135,39 @@ impl<'a> Series<'a> {
             names: Vec::new(),
             layout: Vec::new(),
             other_layout: 0,
+            other_names: Vec::new(),
             not_finite: (0, 0),
         }
     }
 
-    /// Adds a row of numbers, one for each column; the first settles the columns.
-    fn add_numbers(&mut self, number: u64, found: Numbers, log_time: u64) -> std::result::Result<(), String> {
+    /// Whether a row has other columns than the first, or the same in another order.
+    fn differs(&self, found: &Numbers) -> bool {
+        !self.names.is_empty() && (self.layout != found.layout || self.names.len() != found.values.len())
+    }
+
+    /// Adds a row of numbers, one for each column; the first settles the columns. A row that [`differs`](Self::differs) comes with its
+    /// names.
+    fn add_numbers(&mut self, number: u64, mut found: Numbers, log_time: u64) -> std::result::Result<(), String> {
         self.settle(Kind::Other)?;
         if self.names.is_empty() {
             self.channels = found.names.iter().map(|name| Channel::new(name.clone(), "1")).collect();
             (self.names, self.layout) = (found.names, found.layout);
-        } else if self.layout != found.layout || self.names.len() != found.values.len() {
-            self.other_layout += 1;
-            return Ok(());
+        } else if self.differs(&found) {
+            let place = |name: &String| found.names.iter().position(|other| other == name);
+            let values = self.names.iter().map(|name| found.values.get(place(name)?).copied()).collect();
+            let Some(values) = values else {
+                self.other_layout += 1;
+                for name in found.names {
+                    if self.other_names.len() < MOST_NAMED
+                        && !self.names.contains(&name)
+                        && !self.other_names.contains(&name)
+                    {
+                        self.other_names.push(name);
+                    }
+                }
+                return Ok(());
+            };
+            found.values = values;
         }
         self.values.extend(found.values);
         let log = i64::try_from(log_time).unwrap_or(i64::MAX);
@@ -232,11 +270,15 @@ impl<'a> Series<'a> {
             notes.push(Note::new(findings::MESSAGES_NOT_FINITE, text, ""));
         }
         if self.other_layout > 0 {
-            let text = format!(
-                "{} of `{name}` left out whose arrays have another length than the first",
-                counted(self.other_layout, "message")
-            );
-            notes.push(Note::new(findings::MESSAGES_LAYOUT, text, ""));
+            let other = match self.other_names.as_slice() {
+                [] => String::new(),
+                names => format!("; they have {}", list(names.iter().map(String::as_str), MOST_NAMED)),
+            };
+            let count = counted(self.other_layout, "message");
+            let text = format!("{count} of `{name}` left out that lack columns of the first message{other}");
+            let remedy =
+                "what several messages hold in parts cannot be read together: record a topic that has all of it";
+            notes.push(Note::new(findings::MESSAGES_LAYOUT, text, if other.is_empty() { "" } else { remedy }));
         }
         let width = self.channels.len();
         let clock = self.clock(&mut notes)?;
@@ -287,7 +329,8 @@ impl<'a> Series<'a> {
     ) -> Result<Recording> {
         let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
         let sheet = Sheet { names, clock, values, ..Sheet::default() };
-        let found = sheet.recording(self.path, &columns::reading(self.topic, options))?;
+        let found = sheet.recording(self.path, &columns::reading(self.topic, options));
+        let found = found.map_err(|error| with_other_columns(error, &self.other_names))?;
         let notes = notes.into_iter().chain(found.notes).collect();
         Ok(Recording { notes, ..found })
     }

@@ -5,7 +5,7 @@ use mcap::Compression;
 use crate::mcap::records::messages;
 use crate::testing::{Made, bag, ball, error_text, file, joints, made, odometry, point, point_big_endian, read_as};
 use crate::{ReadOptions, Recording};
-use tunenet_core::observation::Kind;
+use tunenet_core::observation::{Channel, Kind};
 
 fn good(topics: &[Made]) -> Recording {
     read_as("a.mcap", bag(Some(Compression::Zstd), topics), &ReadOptions::default()).unwrap()
@@ -81,6 +81,32 @@ fn joints_are_matched_by_name() {
     let found = good(&[silent]);
     assert_eq!(found.observation.channels().len(), 1);
     assert_eq!(found.notes[1].text, "the messages carry no velocity and no effort");
+}
+
+/// As columns of a simulated robot, joints come in any order; of messages in parts, the other columns are named.
+#[test]
+fn columns_of_joints_are_matched_by_name() {
+    let turned = made("/joint_states", "sensor_msgs/msg/JointState", 10, |ns, z| {
+        if (z % 2.0) == 0.0 { joints(ns, &["a", "b"], &[z, 5.0], &[]) } else { joints(ns, &["b", "a"], &[5.0, z], &[]) }
+    });
+    let options = |headers: &[&str]| ReadOptions {
+        channels: headers.iter().map(|header| Channel::from_header(header).unwrap()).collect(),
+        ..ReadOptions::default()
+    };
+    let read = |made: Made, headers: &[&str]| read_as("a.mcap", bag(None, &[made]), &options(headers));
+    let found = read(turned, &["a_rad", "b_rad"]).unwrap();
+    assert!((0..10).all(|i| found.observation.row(i) == [i as f64, 5.0]) && found.notes.is_empty(), "{:?}", found.notes);
+    let parts = || {
+        made("/joint_states", "sensor_msgs/msg/JointState", 10, |ns, z| {
+            if (z % 2.0) == 0.0 { joints(ns, &["a", "b"], &[z, 5.0], &[]) } else { joints(ns, &["finger"], &[z], &[]) }
+        })
+    };
+    let found = read(parts(), &["a_rad"]).unwrap();
+    assert_eq!(found.observation.len(), 5);
+    let text = "5 messages of `/joint_states` left out that lack columns of the first message; they have `position.finger`";
+    assert!(found.notes.iter().any(|note| note.text == text), "{:?}", found.notes);
+    let (message, _) = error_text(&read(parts(), &["a_rad", "finger_m"]).unwrap_err());
+    assert!(message.ends_with("; other messages have `position.finger`"), "{message}");
 }
 
 #[test]
