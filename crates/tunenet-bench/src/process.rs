@@ -46,6 +46,13 @@ fn run_command(mut command: Command, arguments: &[&str]) -> Result<ProcessCost> 
         .stderr(Stdio::piped())
         .spawn()
         .with_context(|| format!("starting {}", program.display()))?;
+    // Read while it runs: a full pipe would stop it.
+    let said = child.stderr.take().map(|mut stderr| {
+        std::thread::spawn(move || {
+            let mut bytes = Vec::new();
+            std::io::Read::read_to_end(&mut stderr, &mut bytes).map(|_| bytes)
+        })
+    });
     let mut peak_bytes = None;
     let status = loop {
         if let Some(status) = child.try_wait()? {
@@ -56,12 +63,10 @@ fn run_command(mut command: Command, arguments: &[&str]) -> Result<ProcessCost> 
         std::thread::sleep(LOOK_EVERY);
     };
     let seconds = began.elapsed().as_secs_f64();
-    // An honest 'no' is an answer like any other.
+    let said = said.and_then(|reader| reader.join().ok()).transpose()?.unwrap_or_default();
+    // Status 3, no usable result, is a valid answer.
     if !matches!(status.code(), Some(0 | 3)) {
-        let mut text = String::new();
-        if let Some(mut stderr) = child.stderr.take() {
-            std::io::Read::read_to_string(&mut stderr, &mut text)?;
-        }
+        let text = String::from_utf8_lossy(&said);
         let name = program.file_stem().unwrap_or_default().to_string_lossy();
         bail!("`{name} {}` failed: {}", arguments.join(" "), text.trim());
     }
