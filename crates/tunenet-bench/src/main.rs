@@ -36,7 +36,7 @@ use clap::CommandFactory;
 use tunenet_cli::view::json::print;
 
 use crate::args::{Arguments, Command, Measured};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 
 fn main() -> ExitCode {
     tunenet_cli::process(|arguments: Arguments| {

@@ -12,7 +12,7 @@ use tunenet_formats::{Error, write_atomically};
 
 use crate::args::Measured;
 use tunenet_cli::Sharing;
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::files::destination;
 use tunenet_cli::files::hash;
 use tunenet_cli::shard::differing::{differing, sides};

@@ -17,7 +17,7 @@ use super::process;
 use super::video_speed::VideoFigures;
 use crate::args::BenchSpeed;
 use crate::scene::{PAPER_BALL, SHOT, URDF};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{note, stage, table};

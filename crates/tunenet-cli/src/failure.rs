@@ -1,50 +1,10 @@
-//! Errors, printed once, and the exit codes.
-
-use std::process::ExitCode;
+//! Errors, printed once.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use tunenet_core::{Origin, diagnose, tune};
+use tunenet_core::Origin;
 
+use crate::exit_status::Exit;
 use crate::view::text::{lines, to_stderr};
-
-/// How a command ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Exit {
-    /// Done.
-    Done = 0,
-    /// A file's contents or the system refused.
-    Refused = 1,
-    /// The command line is wrong.
-    Usage = 2,
-    /// Completed, result inconclusive.
-    Inconclusive = 3,
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit as u8)
-    }
-}
-
-impl From<tune::Verdict> for Exit {
-    fn from(verdict: tune::Verdict) -> Self {
-        match verdict {
-            tune::Verdict::Tuned => Self::Done,
-            tune::Verdict::Rejected | tune::Verdict::PoorFit | tune::Verdict::NotIdentifiable => Self::Inconclusive,
-        }
-    }
-}
-
-impl From<diagnose::Verdict> for Exit {
-    fn from(verdict: diagnose::Verdict) -> Self {
-        match verdict {
-            diagnose::Verdict::None | diagnose::Verdict::Named => Self::Done,
-            diagnose::Verdict::OneOf | diagnose::Verdict::Unknown | diagnose::Verdict::Insufficient => {
-                Self::Inconclusive
-            }
-        }
-    }
-}
 
 /// A library's error, whose kind decides how it is printed and how the process ends.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,8 @@
 //! The command line of tunenet: estimates simulator parameters from recorded motion.
 //!
 //! Arguments are read in `args`; each of `commands` loads, calls the libraries and renders; `answers` say what was
-//! found, [`view`] shows it; [`files`] knows names, hashes and what may be written over. [`failure`] reports
-//! errors. No mathematics here.
+//! found, [`view`] shows it; [`files`] knows names, hashes and what may be written over. [`exit_status`] says how a
+//! command ends, [`failure`] reports errors. No mathematics here.
 
 #![allow(
     clippy::missing_errors_doc,
@@ -13,6 +13,7 @@
 mod answers;
 mod args;
 mod commands;
+pub mod exit_status;
 pub mod failure;
 pub mod files;
 pub mod findings;
@@ -25,7 +26,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 pub use args::{Common, Detail, Sharing, jobs, pool};
-use failure::Exit;
+use exit_status::Exit;
 
 /// Runs the command that this process was started with.
 pub fn main() -> ExitCode {

@@ -30,7 +30,7 @@ use self::rows::{Counts, DiagnoseCell};
 use self::trial::BlindTrial;
 use super::resume::{Store, program};
 use crate::args::{BenchDiagnose, DiagnoseRow, Measured};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};

@@ -16,7 +16,7 @@ use self::results::{Cluster, GrowResults, SizeCost, Spent};
 use super::process;
 use crate::args::BenchGrow;
 use crate::output::{file_of, write_all};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::files::hash;
 use tunenet_cli::shard;
 use tunenet_cli::view::answer;

@@ -15,7 +15,7 @@ use self::cell::{Cell, Tried, cells};
 use crate::args::{BenchIntervals, Measured};
 use crate::output::{percent, share};
 use crate::resume::{DRAWS_PER_PIECE, Store, program};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, table};

@@ -28,7 +28,7 @@ mod write;
 use anyhow::Result;
 use rayon::prelude::*;
 use serde_json::json;
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::files::{hash, programs};
 use tunenet_cli::view::answer as view;
 use tunenet_cli::view::json::print_json;

@@ -10,7 +10,7 @@ use serde_json::{Map, json};
 
 use super::resume::{Store, program};
 use crate::args::{BenchPaper, Measured, PaperTable};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::stage;

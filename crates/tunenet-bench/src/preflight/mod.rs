@@ -23,7 +23,7 @@ use crate::args::{BenchPreflight, Measured};
 use crate::resume::program;
 use faults::KINDS;
 use motion::Record;
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::progress;

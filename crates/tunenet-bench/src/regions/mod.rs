@@ -23,7 +23,7 @@ use self::cell::{Found, RegionCell};
 use super::resume::{DRAWS_PER_PIECE, Store, program};
 use crate::args::{BenchRegions, Measured};
 use crate::output::{file_of, percent, share, write_all};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};

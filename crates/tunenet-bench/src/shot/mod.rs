@@ -35,7 +35,7 @@ use self::world::{RADIUS_M, ShotState};
 use super::resume::{Store, program};
 use crate::args::{BenchShot, Measured};
 use crate::lazy::Lazy;
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};

@@ -37,7 +37,7 @@ use self::targets::{DropTarget, Simulation};
 use super::resume::{Store, program};
 use crate::args::{BenchTuning, Measured, TuningRow};
 use crate::goals::MAKING_LIMIT_S;
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};

@@ -14,7 +14,7 @@ use tunenet_sim::observed_robot::joint_names;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile};
 
-use super::law::{self, Found, Law};
+use super::law::{self, AnswerVerdict, Found, Law};
 
 /// What could be in the place of a lone effect that earns no name.
 pub const NOT_IN_CATALOGUE: &str = "what is in no catalogue";
@@ -91,9 +91,14 @@ pub struct Answer<'a> {
 }
 
 impl Answer<'_> {
+    /// What it comes to.
+    pub fn verdict(&self) -> AnswerVerdict {
+        AnswerVerdict::of(self.diagnosis.verdict(), self.law)
+    }
+
     /// The answer in one word, as programs read it.
     pub fn word(&self) -> &'static str {
-        law::word(self.diagnosis.verdict(), self.law)
+        self.verdict().word()
     }
 
     /// The best law, where it is the answer.

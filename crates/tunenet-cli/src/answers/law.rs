@@ -55,19 +55,39 @@ pub fn parameters(without: &[Tuned], found: &Found, law: &Member) -> Vec<Tuned> 
     without.iter().filter_map(fitted).collect()
 }
 
-/// The word of the answer.
-pub fn word(diagnosis: diagnose::Verdict, law: Option<&Law>) -> &'static str {
-    match law.and_then(|law| law.decides(diagnosis)).map(|found| found.answer.verdict) {
-        Some(law::Verdict::Law) => "law",
-        Some(law::Verdict::Named) => "named",
-        Some(_) => "one_of",
-        None => match diagnosis {
-            diagnose::Verdict::None => "none",
-            diagnose::Verdict::Named => "named",
-            diagnose::Verdict::OneOf => "one_of",
-            diagnose::Verdict::Unknown => "unknown",
-            diagnose::Verdict::Insufficient => "insufficient",
-        },
+/// What the answer comes to, with a search for laws where one decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnswerVerdict {
+    /// A law alone.
+    Law,
+    /// Several laws that the recordings do not distinguish.
+    OneOfLaws,
+    /// What the effects say; [`Named`](diagnose::Verdict::Named) where a law equals an effect of the catalogue.
+    Effects(diagnose::Verdict),
+}
+
+impl AnswerVerdict {
+    /// That of a diagnosis, with what a search for laws found.
+    pub fn of(diagnosis: diagnose::Verdict, law: Option<&Law>) -> Self {
+        match law.and_then(|law| law.decides(diagnosis)).map(|found| found.answer.verdict) {
+            Some(law::Verdict::Law) => Self::Law,
+            Some(law::Verdict::Named) => Self::Effects(diagnose::Verdict::Named),
+            Some(_) => Self::OneOfLaws,
+            None => Self::Effects(diagnosis),
+        }
+    }
+
+    /// The word for it in scripts.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Law => "law",
+            Self::OneOfLaws => "one_of",
+            Self::Effects(diagnose::Verdict::None) => "none",
+            Self::Effects(diagnose::Verdict::Named) => "named",
+            Self::Effects(diagnose::Verdict::OneOf) => "one_of",
+            Self::Effects(diagnose::Verdict::Unknown) => "unknown",
+            Self::Effects(diagnose::Verdict::Insufficient) => "insufficient",
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 use tunenet_formats::Error;
 
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::programs::{self, BENCH};
 
 /// What the other program is asked for by `tunenet help bench`, which clap would answer from the little that is known of

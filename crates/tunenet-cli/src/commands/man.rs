@@ -6,7 +6,7 @@ use tunenet_core::{Error, Origin};
 
 use super::bench;
 use crate::args::Arguments;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::view::json;
 
 pub fn run(command: Option<&str>) -> Result<Exit> {

@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use clap::CommandFactory;
 
 use crate::args::{Arguments, Command};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::view::json;
 
 /// Runs what the command line asks for.

@@ -14,7 +14,7 @@ use tunenet_sim::shot::{self, ArmReach, Belief, NoPlan, Reach, Rule, Settings, S
 use super::load;
 use crate::answers::plan::{Answer, notice};
 use crate::args::{Plan, PlanRule};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::html;

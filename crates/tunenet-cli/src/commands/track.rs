@@ -8,7 +8,8 @@ use tunenet_video_protocol::track::Untracked;
 
 use super::video::{Asked, TrackFailure};
 use crate::args::Track;
-use crate::failure::{Exit, sentence};
+use crate::exit_status::Exit;
+use crate::failure::sentence;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{names, track_csv};
 use crate::view::answer::Printout;

@@ -11,7 +11,7 @@ use tunenet_formats::{Action, Error};
 use tunenet_formats::{save_model, train_file};
 
 use crate::args::Train;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;

@@ -21,7 +21,7 @@ use crate::goals::{ARM_EXACT, ARM_FALSE_NAMES, ARM_UNKNOWN};
 use crate::output::share;
 use crate::resume::{Store, program};
 use crate::scene::{GRAVITY_M_S2, URDF};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage, table};

@@ -24,7 +24,7 @@ use self::trial::{DrivenTrial, trial};
 use crate::args::{BenchDiagnose, Measured};
 use crate::output::{file_of, write_all};
 use crate::resume::{Store, program};
-use tunenet_cli::failure::Exit;
+use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};

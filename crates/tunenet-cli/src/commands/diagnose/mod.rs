@@ -27,7 +27,7 @@ use super::odd_units::odd_units;
 use crate::answers::diagnose::{Answer, Loaded};
 use crate::answers::improved::edits;
 use crate::args::{Diagnose, pool};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::hash;
 use crate::files::manifest::Source;
 use crate::view::html;
@@ -65,11 +65,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         html::diagnose::write(path, &answer, &edits, &outputs::provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
-    Ok(match answer.word() {
-        "law" | "named" => Exit::Done,
-        _ if answer.found().is_some() => Exit::Inconclusive,
-        _ => diagnosis.verdict().into(),
-    })
+    Ok(answer.verdict().into())
 }
 
 /// What is said of units where the answer is open, or a recording disagrees with the others.

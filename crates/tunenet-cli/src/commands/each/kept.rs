@@ -9,7 +9,7 @@ use tunenet_core::network::Shard;
 use tunenet_formats::{Action, Error, write_atomically};
 
 use super::verdict::Verdict;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::view::json::print_json;
 use crate::view::text::stage;
 

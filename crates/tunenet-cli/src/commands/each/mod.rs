@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use tunenet_core::{Error, Origin};
 
 use crate::args::Apart;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::shard::{self, Job, Mark, Share, mark};
 use crate::view::json::{print_json, warning};

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use tunenet_core::{diagnose, tune};
 
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 
 /// The verdict of an answer, by either tool. No word is a verdict of both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

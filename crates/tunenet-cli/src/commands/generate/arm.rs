@@ -12,7 +12,7 @@ use tunenet_sim::{ObservedArm, SimulationFile, simulation_file};
 use super::super::load;
 use super::write::{made, place};
 use crate::args::{Gen, Pairs};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Paper);

@@ -18,7 +18,7 @@ use tunenet_sim::video_drops::VideoDrops;
 use super::super::load;
 use super::write::made;
 use crate::args::{Domain, Gen, Pairs};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 
 /// The paper's ball: .5 m, seen at 60 Hz for 400 frames.
 const PAPER_BALL: &str = include_str!("../../../../../assets/ball_easy.toml");

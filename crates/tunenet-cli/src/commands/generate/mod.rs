@@ -15,7 +15,7 @@ use tunenet_sim::simulation_file;
 use self::write::place;
 use super::load::Driven;
 use crate::args::{Domain, Gen, Simulation};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 

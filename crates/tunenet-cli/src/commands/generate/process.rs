@@ -17,7 +17,7 @@ use super::super::refusal::{self, Asked};
 use super::under_recordings::UnderRecordings;
 use super::write::{made, place};
 use crate::args::{Gen, Pairs};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 
 pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Wide);

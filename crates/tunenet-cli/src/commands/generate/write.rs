@@ -10,7 +10,7 @@ use tunenet_formats::Error;
 use tunenet_formats::dataset::DatasetReader;
 
 use crate::args::Gen;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::names;
 use crate::shard::{self, Share};
 use crate::view;

@@ -15,7 +15,7 @@ use tunenet_sim::simulation_file::{Domain, template};
 
 use self::robot::Started;
 use crate::args::{Init, Scene};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;

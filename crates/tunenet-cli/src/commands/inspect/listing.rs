@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
-use crate::failure::{Exit, hint, sentence};
+use crate::exit_status::Exit;
+use crate::failure::{hint, sentence};
 use crate::files::names;
 use crate::view::answer::Printout;
 

@@ -10,7 +10,7 @@ use super::listing::Listing;
 use super::look_in;
 use crate::args::Inspect;
 use crate::commands::load::Setups;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::manifest;
 
 /// Describes them one after the other.

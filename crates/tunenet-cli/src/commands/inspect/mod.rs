@@ -21,7 +21,7 @@ use tunenet_sim::SimulationFile;
 
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::names;
 use crate::files::videos::is_video;
 use crate::view::answer::Printout;

@@ -7,7 +7,7 @@ use tunenet_ball::preflight::{ApparentGravity, Expected};
 use super::listing::Listing;
 use super::look;
 use crate::args::Inspect;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::{hash, names};
 use crate::view::inspect::motion::{gravity_json, render_gravity, row};
 

@@ -9,7 +9,7 @@ use super::complete;
 use super::foreign::foreign;
 use crate::args::Merge;
 use crate::commands::{bench, each};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
 use crate::shard::{self, Job, Mark};

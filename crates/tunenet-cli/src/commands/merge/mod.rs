@@ -13,7 +13,7 @@ use tunenet_formats::dataset::merge;
 
 use super::globs;
 use crate::args::Merge;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;

@@ -19,7 +19,7 @@ use tunenet_sim::{ObservedBall, SimulationFile, observed};
 use self::write::{described, write, write_all};
 use super::load::{self, Driven};
 use crate::args::Simulate;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;

@@ -8,7 +8,7 @@ use tunenet_core::observation::Observation;
 use tunenet_formats::{Action, Error, kind_name, write_csv, write_mcap};
 
 use crate::args::Simulate;
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
 use crate::view::answer::Printout;

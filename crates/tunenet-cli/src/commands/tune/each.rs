@@ -16,7 +16,7 @@ use crate::answers::tune::{Fitted, Spent};
 use crate::args::Tune;
 use crate::commands::each::{Answered, Work};
 use crate::commands::load::{self, Setups};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::manifest::Source;
 use crate::files::{hash, names};
 use crate::view::html;

@@ -41,7 +41,7 @@ use super::load::{self, Setups};
 use super::video::TrackFailure;
 use crate::answers::tune::{Fitted, Spent};
 use crate::args::{Tune, pool};
-use crate::failure::Exit;
+use crate::exit_status::Exit;
 use crate::files::{destination, hash, names};
 use crate::view::answer::Printout;
 use crate::view::html::{self, tune::Answer};

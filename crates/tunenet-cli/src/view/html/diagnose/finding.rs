@@ -8,6 +8,7 @@ use tunenet_sim::phase;
 use super::numbers::in_short;
 use super::plain;
 use crate::answers::diagnose::{Answer, NOT_IN_CATALOGUE, why_insufficient};
+use crate::answers::law::AnswerVerdict;
 use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, capital, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
@@ -16,7 +17,7 @@ pub fn finding(answer: &Answer) -> Markup {
         if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) { "verdict tuned" } else { "verdict not" };
     let next = diagnosis.next_experiment.as_ref();
     if let Some(headline) = crate::view::text::law::headline(answer) {
-        let alone = answer.word() == "law";
+        let alone = answer.verdict() == AnswerVerdict::Law;
         return html! {
             section class=(if alone { "verdict tuned" } else { "verdict not" }) {
                 (shape(if alone { PLUS } else { QUESTION }, if alone { "Law" } else { "One of several" }))
