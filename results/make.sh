@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
 #     results/make.sh [paper|shot|diagnose|arm|driven|law|joints|intervals|regions|rollouts|preflight|grow|speed]…
-# Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
+# Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these three.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
