@@ -9,7 +9,6 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, scoring};
-use crate::diagnose::hypothesis::joint::spread;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::{Progress, Test};
 use crate::estimate::huber::huber_cost;
@@ -23,6 +22,8 @@ const ADMITTED: f64 = 0.96;
 /// leaves less than this share of the same.
 const OPEN: f64 = 5.0;
 const BETTER: f64 = 0.9;
+/// A value within this share of its range from a bound lies at it.
+const NEAR_BOUND: f64 = 1e-6;
 /// Candidates that are fitted in the place of an effect that others follow.
 const RIVALS: usize = 3;
 /// Those farther behind than so many margins are not.
@@ -37,8 +38,8 @@ pub(in crate::diagnose) struct Gated<'a> {
     pub tests: Vec<Test>,
 }
 
-/// Searches from the tuned simulation `base`: candidates from where they are absent, and where these explain nothing or only one of them
-/// something, and that leaves far more than noise, the first from starts across their bounds as well.
+/// Searches from the tuned simulation `base`: candidates from where they are absent. Where these explain nothing, or one of them leaves far
+/// more than noise, or several do and end at a bound, the first candidate is searched from starts across its bounds as well.
 ///
 /// # Errors
 /// Where the simulator refuses.
@@ -49,8 +50,8 @@ pub(in crate::diagnose) fn search_gated<'a>(
 ) -> Result<Gated<'a>> {
     let near = search_from(context, base, selection_step, progress)?;
     let left = near.left_over(context)?;
-    let several = near.found.best.as_ref().is_some_and(|best| best.structure.effects.len() > 1);
-    if several || left.is_some_and(|left| left < OPEN) {
+    let settled = near.found.best.as_ref().is_some_and(|best| best.structure.effects.len() > 1 && !at_bound(best));
+    if settled || left.is_some_and(|left| left < OPEN) {
         return Ok(near);
     }
     let wide = search_from(context, base, |context, model| widened(context, selection_step(context, model)), progress)?;
@@ -61,14 +62,26 @@ pub(in crate::diagnose) fn search_gated<'a>(
     Ok(if better { wide } else { near })
 }
 
+/// Whether a shared parameter ends at a bound other than 0, as in many a local minimum.
+fn at_bound(best: &Hypothesis) -> bool {
+    let pairs = best.structure.shared.iter().zip(&best.fit.point.parameters);
+    pairs.into_iter().any(|(shared, value)| {
+        let (low, high) = (shared.parameter.min, shared.parameter.max);
+        let near = |bound: f64| bound != 0.0 && (value - bound).abs() <= NEAR_BOUND * (high - low);
+        near(low) || near(high)
+    })
+}
+
 impl Gated<'_> {
-    /// What its effects leave of the recordings that were fitted, in units of the noise that these have in `context`; `None` without
-    /// effects.
+    /// The root mean square of what its effects leave of the recordings that were fitted, in units of the noise that these have in
+    /// `context`; `None` without effects. A local minimum may fit most samples and leave only the swings.
     fn left_over(&self, context: &Context) -> Result<Option<f64>> {
         let Some(best) = &self.found.best else { return Ok(None) };
         let measured = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.0));
         let residuals = measured.joint(&best.structure).residuals(&best.fit.point, 1.0)?;
-        Ok(Some(spread(&residuals)))
+        let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
+        let squares: f64 = residuals.iter().flatten().map(|r| r * r).sum();
+        Ok(Some((squares / count as f64).sqrt()))
     }
 }
 

@@ -49,7 +49,7 @@ struct Start<'a> {
 pub(super) fn widened<'a>(context: &Context<'a>, mut step: DiscrepancyStep<'a>) -> DiscrepancyStep<'a> {
     let model = &step.model;
     let open = step.candidates.iter().enumerate().filter(|(_, candidate)| candidate.excluded.is_none());
-    let of_each = FIRST.derivatives * (model.structure.shared.len() + 1) + FIRST.steps + 2;
+    let of_each = FIRST.derivatives * (model.structure.shared.len() + 1) + FIRST.steps + 4;
     let affordable = BUDGET / (of_each * context.recordings().len()).max(1);
     let grids = open.flat_map(|(position, candidate)| grid_of(context, model, (position, candidate.entry)));
     let starts: Vec<GridPoint> = grids.take(affordable).collect();
@@ -106,10 +106,17 @@ fn grid_of(context: &Context, model: &Hypothesis, (candidate, entry): (usize, us
 fn first_fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, start: GridPoint) -> Option<Start<'a>> {
     let GridPoint { candidate, entry, column, value } = start;
     let structure = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()).ok()?;
-    let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
-    parameters[column] = value;
     let joint = context.joint(&structure);
-    let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+    // Where something large is missing, the fit without it may be farther from what is true than the values of the files.
+    let given: Vec<f64> = model.structure.shared.iter().map(|shared| shared.parameter.value).collect();
+    let starts = [&model.fit.point.parameters, &given].map(|from| {
+        let mut parameters = structure.carry(&model.structure, from);
+        parameters[column] = value;
+        Point { parameters, nuisances: model.fit.point.nuisances.clone() }
+    });
+    let misfit = |start: &Point| joint.residuals(start, FIRST.horizon).map_or(f64::INFINITY, |all| spread(&all));
+    let [fitted, given] = starts;
+    let start = if misfit(&given) < misfit(&fitted) { given } else { fitted };
     let fit = joint.fit(start, FIRST).ok()?;
     let whole = spread(&joint.residuals(&fit.point, 1.0).ok()?);
     Some(Start { candidate, model: Hypothesis { structure, fit }, whole })
