@@ -104,7 +104,7 @@ impl<'a> Judgement<'a> {
         let doubt = doubt.filter(|_| whole);
         let differs = per_recording.map(|fits| Doubt::DiffersBetweenRecordings(fits.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
-        let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::DiscrepancyRemains);
+        let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::OneSetup);
         let doubt = doubt.or(differs).or(random).or(unvaried).filter(|_| !found.selected.is_empty());
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);

@@ -71,6 +71,8 @@ pub enum Doubt {
     DiffersBetweenRecordings(Vec<Text>),
     /// They were found together with a parameter that differs between recordings.
     ParameterDiffers(String),
+    /// All recordings of several channels have one setup.
+    OneSetup,
     /// A single motion shows them; in words.
     SingleMotion(&'static str),
     /// No held-out recording confirms them.
@@ -85,6 +87,7 @@ impl Doubt {
         matches!(
             self,
             Self::DiscrepancyRemains
+                | Self::OneSetup
                 | Self::ForecastWorse
                 | Self::ForecastHardlyBetter
                 | Self::Feigned(..)
@@ -117,6 +120,9 @@ impl fmt::Display for Doubt {
                 return write!(f, "{} of another size in each recording explains as much", effects.join(" and "));
             }
             Self::ParameterDiffers(name) => return write!(f, "{name} differs between recordings too"),
+            Self::OneSetup => {
+                "the recordings have one setup, in which effects of one channel can imitate those of another"
+            }
             Self::SingleMotion(words) => words,
             Self::Unconfirmed => "no held-out recording confirms it",
         };
