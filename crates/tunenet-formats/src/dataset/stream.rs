@@ -10,7 +10,7 @@ use mcap::{McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::mcap::records::{Fault, Messages, messages_up_to};
+use crate::mcap::reader::{Fault, Messages, messages_up_to};
 use crate::ros::cdr::{LITTLE_ENDIAN, encode};
 use crate::{Action, Error, Result};
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 #[cfg(feature = "logs")]
 use crate::bag;
 use crate::format::{Format, format};
-use crate::mcap::records;
+use crate::mcap::reader;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::schema::Given;
 use crate::ros::wanted::Wanted;
@@ -34,7 +34,7 @@ enum One {
 
 /// The messages of an MCAP file.
 struct Mcap {
-    messages: Box<records::Messages>,
+    messages: Box<reader::Messages>,
     /// Of a file that is compressed as a whole, the copy that they are read from, which goes away with them.
     #[cfg(feature = "logs")]
     _copy: Option<bag::Unpacked>,
@@ -45,14 +45,14 @@ impl One {
     fn open(path: &Path, given: &Given, wanted: &Wanted) -> Result<Self> {
         match format(path)? {
             Format::Mcap => Ok(Self::Mcap(Mcap {
-                messages: Box::new(records::messages(path)?.with_definitions(given)),
+                messages: Box::new(reader::messages(path)?.with_definitions(given)),
                 #[cfg(feature = "logs")]
                 _copy: None,
             })),
             #[cfg(feature = "logs")]
             Format::PackedMcap => {
                 let file = bag::unpacked(path)?;
-                let messages = Box::new(records::messages(file.path())?.of(path).with_definitions(given));
+                let messages = Box::new(reader::messages(file.path())?.of(path).with_definitions(given));
                 Ok(Self::Mcap(Mcap { messages, _copy: Some(file) }))
             }
             #[cfg(feature = "logs")]

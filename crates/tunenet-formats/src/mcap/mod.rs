@@ -1,7 +1,7 @@
 //! MCAP files: logs of messages.
 
 pub mod pictures;
-pub(crate) mod records;
+pub(crate) mod reader;
 pub(crate) mod trajectory;
 mod whole_chunks;
 pub(crate) mod write;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::records::{Messages, messages};
+use super::reader::{Messages, messages};
 use crate::ros::cdr::{Header, fields};
 use crate::ros::channel::ChannelInfo;
 use crate::ros::stamps::{joined, to_s};

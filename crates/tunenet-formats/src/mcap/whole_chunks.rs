@@ -150,7 +150,7 @@ mod tests {
     use mcap::Compression;
 
     use super::*;
-    use crate::mcap::records::messages;
+    use crate::mcap::reader::messages;
     use crate::testing::{bag, ball, error_text, file};
     use crate::{ReadOptions, read};
 

@@ -2,7 +2,7 @@
 
 use mcap::Compression;
 
-use crate::mcap::records::messages;
+use crate::mcap::reader::messages;
 use crate::testing::{Made, bag, ball, error_text, file, joints, made, odometry, point, point_big_endian, read_as};
 use crate::{ReadOptions, Recording};
 use tunenet_core::observation::{Channel, Kind};
@@ -95,7 +95,11 @@ fn columns_of_joints_are_matched_by_name() {
     };
     let read = |made: Made, headers: &[&str]| read_as("a.mcap", bag(None, &[made]), &options(headers));
     let found = read(turned, &["a_rad", "b_rad"]).unwrap();
-    assert!((0..10).all(|i| found.observation.row(i) == [i as f64, 5.0]) && found.notes.is_empty(), "{:?}", found.notes);
+    assert!(
+        (0..10).all(|i| found.observation.row(i) == [i as f64, 5.0]) && found.notes.is_empty(),
+        "{:?}",
+        found.notes
+    );
     let parts = || {
         made("/joint_states", "sensor_msgs/msg/JointState", 10, |ns, z| {
             if (z % 2.0) == 0.0 { joints(ns, &["a", "b"], &[z, 5.0], &[]) } else { joints(ns, &["finger"], &[z], &[]) }
@@ -103,7 +107,8 @@ fn columns_of_joints_are_matched_by_name() {
     };
     let found = read(parts(), &["a_rad"]).unwrap();
     assert_eq!(found.observation.len(), 5);
-    let text = "5 messages of `/joint_states` left out that lack columns of the first message; they have `position.finger`";
+    let text =
+        "5 messages of `/joint_states` left out that lack columns of the first message; they have `position.finger`";
     assert!(found.notes.iter().any(|note| note.text == text), "{:?}", found.notes);
     let (message, _) = error_text(&read(parts(), &["a_rad", "finger_m"]).unwrap_err());
     assert!(message.ends_with("; other messages have `position.finger`"), "{message}");
