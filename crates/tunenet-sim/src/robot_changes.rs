@@ -105,6 +105,9 @@ fn kinds(model: &Model, order: &[(&str, &JointScene)]) -> Vec<Motion> {
     order.iter().map(|(name, _)| if slides(name) { Motion::Prismatic } else { Motion::Revolute }).collect()
 }
 
+/// Numbers below this, in SI units, are 0.
+const SMALLEST: f64 = 1e-12;
+
 /// Effects that no single joint has.
 fn of_whole(present: &[PresentRobotEffect], intervals: Intervals) -> Vec<Whole> {
     let whole = present.iter().filter(|one| !one.effect.per_joint);
@@ -151,6 +154,8 @@ struct OneJoint<'a> {
 
 impl OneJoint<'_> {
     fn add(&self, found: &mut RobotChanges, quantity: Quantity, value: f64, interval: Option<[f64; 2]>) {
+        // A fit that ends at its bound 0 leaves the smallest of numbers there.
+        let value = if value.abs() < SMALLEST { 0.0 } else { value };
         let change = Change { joint: self.in_model.to_owned(), motion: self.motion, quantity, value, interval };
         if value < 0.0 && !quantity.signed() {
             let why = "a number below 0 is no property of a mechanism: model files and simulators refuse it".into();

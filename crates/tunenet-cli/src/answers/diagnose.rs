@@ -16,7 +16,7 @@ use tunenet_sim::{Session, SimulationFile};
 
 use super::law::{self, AnswerVerdict, Found, Law};
 
-/// What could be in the place of a lone effect that earns no name.
+/// The alternative that is shown where one effect cannot be named alone.
 pub const NOT_IN_CATALOGUE: &str = "what is in no catalogue";
 /// The effect whose coefficient is known to everyone in another form.
 pub const DRAG: &str = "quadratic_drag";

@@ -10,7 +10,7 @@ use super::track::positive;
 #[derive(Debug, Default, Args)]
 pub struct Models {
     /// Write a copy of the robot's model (MJCF or URDF) with the tuned numbers; FILE.effects.toml gets those that the format
-    /// cannot express. Of an arm with replayed logs: its joint friction
+    /// cannot express. For an arm with replayed logs: its joint friction
     #[arg(long, visible_alias = "out-urdf", value_name = "FILE")]
     pub out_model: Option<PathBuf>,
     /// Write the parameters of the joints' servos for BAM (JSON)

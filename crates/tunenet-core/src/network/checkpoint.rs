@@ -50,7 +50,7 @@ pub(super) fn fingerprint(checkpoint: &dyn Checkpoint, about: &About) -> Result<
 
 /// Which training, and where it runs.
 ///
-/// A training ends where it began: half of it on a GPU and half on a CPU would be a network that no one command makes again.
+/// A run ends on the device on which it began: mixing devices gives weights that no command reproduces.
 #[derive(Clone, Copy)]
 pub(super) struct Kept<'a> {
     pub(super) checkpoint: &'a dyn Checkpoint,

@@ -7,7 +7,7 @@ use crate::{Error, Origin, Result};
 
 /// A training in full: what the network sees, its shape, and how it learns.
 ///
-/// [`Preset::paper`] is the appendix of `TuneNet` (arXiv 1907.11200) to the letter; [`Preset::default`] is this project's own.
+/// [`Preset::paper`] is as published in the appendix of `TuneNet` (arXiv 1907.11200); [`Preset::default`] is recommended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
@@ -195,7 +195,7 @@ impl Preset {
         }
     }
 
-    /// For joint torques: this project's own.
+    /// For joint torques: recommended.
     #[must_use]
     pub fn arm() -> Self {
         Self {

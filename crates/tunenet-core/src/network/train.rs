@@ -33,7 +33,7 @@ pub struct TrainOptions {
     /// Most bytes of encoded rollouts in memory. What is more waits in [`Keeping::overflow`]; what is learned is the same, bit
     /// for bit.
     pub memory_bytes: usize,
-    /// Where the sums are done. A checkpoint goes on where it was made, or not at all.
+    /// Device. A checkpoint resumes only on the device that wrote it.
     pub device: TrainDevice,
 }
 

@@ -66,7 +66,7 @@ impl Channel {
         }
     }
 
-    /// The channel of a header that names its unit, in small letters, digits and `_`, beginning with a letter; a number without
+    /// The channel of a header that names its unit, in lower-case letters, digits and `_`, beginning with a letter; a number without
     /// a unit ends in `_1`. `None` for an unknown unit or another name.
     #[must_use]
     pub fn from_header(header: &str) -> Option<Self> {

@@ -68,9 +68,9 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
         if !ignored.is_empty() && *role == Role::Predicted {
             let text = format!("columns that the simulation does not name are ignored: {}", list(ignored, 12));
             let remedy = if others.is_empty() {
-                "name them under `process.channels` or in `[outputs]` where they matter"
+                "name them in the simulation file where they matter"
             } else {
-                "name what is predicted under `process.channels` or in `[outputs]`, and what drives it with `column` in the table of an input"
+                "name them in the simulation file where they matter: what is predicted among its channels, and what drives it with `column` in the table of an input"
             };
             notes.push(Note::new(findings::COLUMNS_IGNORED, text, remedy));
         }

@@ -107,8 +107,7 @@ impl System {
             if Channel::from_header(&header)
                 .is_none_or(|channel| channel.unit == "s" && ["t", "time"].contains(&channel.name.as_str()))
             {
-                let expected =
-                    "a channel in small letters that ends in its unit and is not the clock, such as `angle_rad`";
+                let expected = "a lower-case channel that ends in its unit and is not the clock, such as `angle_rad`";
                 return Err(Misfit::new(&path, expected, format!("`{header}`")));
             }
             let text = scene.outputs.get(&header).unwrap_or(&header);

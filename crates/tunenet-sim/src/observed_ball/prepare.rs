@@ -179,7 +179,7 @@ fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
 fn forced(preflight: &Preflight) -> Option<Note> {
     let failed = preflight.rejected()?;
     let text =
-        format!("a rejected recording is used because of --force ({}): the answer may mean nothing", failed.kind);
+        format!("a rejected recording is used because of --force ({}): the result may be meaningless", failed.kind);
     Some(Note::new(findings::PREFLIGHT_FORCED, text, "correct the recording and omit --force"))
 }
 

@@ -1,4 +1,5 @@
-//! A second run of the same motion without the payload, aligned with the first.
+//! Time alignment by maximum cross-correlation of speeds, with a parabola through the peak: a second run of the same motion without the
+//! payload, put on the clock of the first.
 
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
@@ -7,11 +8,12 @@ use super::filter::{slope, smooth, whole};
 use super::recorded::{columns, cubic, even_step, linear};
 use crate::findings;
 
-/// Speeds are compared below this, Hz, and first this many times a second.
+/// Speeds are compared below this frequency, Hz.
 const COMPARED_HZ: f64 = 5.0;
+/// Rate of the first comparison, Hz, and its most samples.
 const COARSE_HZ: f64 = 20.0;
 const COARSE_SAMPLES: f64 = 4000.0;
-/// ... and then at most so often.
+/// Rate of the second comparison, Hz, and its most samples.
 const FINE_HZ: f64 = 500.0;
 const FINE_SAMPLES: f64 = 100_000.0;
 /// Speeds that agree less than this (cosine) are those of another motion.
@@ -115,8 +117,9 @@ pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Ob
     if reference.kind() != Kind::Joints || names(seen) != names(reference) || columns(seen, "q").is_empty() {
         return refuse("the reference", format!("the same channels as in the run ({})", names(seen)), names(reference));
     }
-    let Some((lag_s, _)) = lag(seen, reference).filter(|(_, alike)| *alike > SAME) else {
-        let found = lag(seen, reference).map_or("no overlap".into(), |(_, c)| format!("speeds that agree by {c:.2}"));
+    let aligned = lag(seen, reference);
+    let Some((lag_s, _)) = aligned.filter(|(_, alike)| *alike > SAME) else {
+        let found = aligned.map_or("no overlap".into(), |(_, c)| format!("speeds that agree by {c:.2}"));
         return refuse("the reference", format!("the same motion (speeds that agree by {SAME} or more)"), found);
     };
     let shift = seen.clock()[0] - reference.clock()[0] + lag_s;

@@ -139,7 +139,7 @@ impl Belief {
         self.scene(&self.nominal, &values, None)
     }
 
-    /// So many balls, drawn with this seed. Explanations take turns by their weight.
+    /// `count` balls drawn with this seed. Explanations are sampled in proportion to their weight.
     #[must_use]
     pub fn draws(&self, count: usize, seed: u64) -> Vec<Draw> {
         let total: f64 = self.alternatives.iter().map(|a| a.weight).sum();

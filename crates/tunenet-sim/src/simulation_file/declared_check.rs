@@ -100,7 +100,7 @@ fn text<'a>(table: &'a dyn TableLike, key: &str) -> Option<&'a str> {
 }
 
 const UNIT: &str =
-    "a name in small letters that ends in its unit, such as `force_n`, `theta_rad` or, without one, `throttle_1`";
+    "a lower-case name that ends in its unit, such as `force_n`, `theta_rad` or, without one, `throttle_1`";
 
 fn inputs(root: &Table) -> Option<Wrong> {
     let switches: Vec<&str> = tables(root, "joints").iter().filter_map(|(.., table)| text(*table, "enable")).collect();
@@ -421,7 +421,7 @@ tune = true
                 "[inputs.force_n]",
                 "[inputs.force]",
                 "9:",
-                "`inputs.force`: expected a name in small letters that ends in its unit",
+                "`inputs.force`: expected a lower-case name that ends in its unit",
             ),
             ("hold = \"linear\"", "hold = \"cubic\"", "10:8", "expected \"previous\" or \"linear\", found \"cubic\""),
             ("hold = \"linear\"", "holds = 1", "10:1", "found `inputs.force_n.holds`"),

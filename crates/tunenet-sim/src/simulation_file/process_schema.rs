@@ -108,7 +108,7 @@ pub(super) fn contradiction(root: &Table) -> Option<Wrong> {
     let channels = at("process.channels").map(texts).unwrap_or_default();
     for (i, header) in channels.iter().enumerate() {
         let expected =
-            "names with their units in small letters, such as \"z_m\", \"angle_rad\" or, without a unit, \"slip_1\"";
+            "lower-case names with their units, such as \"z_m\", \"angle_rad\" or, without a unit, \"slip_1\"";
         match Channel::from_header(header) {
             None => return wrong("process.channels", expected, shown(header)),
             Some(channel) if matches!(channel.name.as_str(), "t" | "time") && channel.unit == "s" => {

@@ -47,7 +47,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         ),
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
         Scene::Equations => (Domain::Equations, "equations.toml", "write your equations into it"),
-        Scene::Robot => (Domain::Robot, "robot.toml", "set the gains of your joints and your loads in it"),
+        Scene::Robot => (Domain::Robot, "robot.toml", "check the gains of your joints and your loads in it"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     names::require_ending(&out, "--out", &["toml"])?;

@@ -86,7 +86,8 @@ fn unnameable(model: &Model) -> Result<Option<Note>> {
     }
     let names = listed(others.iter().map(|joint| joint.name.as_str()));
     if named.is_empty() {
-        let expected = "joints whose names differ in letters, digits and `_`".into();
+        let expected =
+            "joints whose names differ in Latin letters, digits and `_` (rename them in a copy of the model)".into();
         return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: names }.into());
     }
     let text =

@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
-use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target};
+use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target, Unused};
 
 use crate::findings;
 use crate::robot::motor_law;
@@ -65,8 +65,11 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         let text = format!("the model file's gravity is {x} {y} {z} m/s²; that of the simulation file counts");
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "set `world.gravity_m_s2`, or tilt the base"));
     }
-    let mut kinds: Vec<String> =
-        robot.unused.iter().filter(|left| !matters(left.changes)).map(|left| format!("<{}>", left.element)).collect();
+    let tag = |left: &Unused| match &left.attribute {
+        Some(attribute) => format!("<{} {attribute}>", left.element),
+        None => format!("<{}>", left.element),
+    };
+    let mut kinds: Vec<String> = robot.unused.iter().filter(|left| !matters(left.changes)).map(tag).collect();
     kinds.sort();
     kinds.dedup();
     let drives = robot.actuators.len();
