@@ -172,9 +172,9 @@ impl Taken {
         }
     }
 
-    fn finish(self, path: &Path, sheet: &Sheet, layout: Layout) -> Result<Recording> {
+    fn finish(self, path: &Path, sheet: &Sheet, mut layout: Layout) -> Result<Recording> {
         let rows = sheet.rows();
-        let mut notes = layout.notes;
+        let mut notes = std::mem::take(&mut layout.notes);
         if let (count @ 1.., first) = self.missing {
             let text = format!("{} left out for a missing number, the first in row {first}", counted(count, "row"));
             notes.push(Note::new(findings::ROWS_EMPTY_CELL, text, ""));
@@ -194,6 +194,16 @@ impl Taken {
             notes.push(Note::new(findings::CLOCK_REPEATED, text, "record the time with more digits"));
         }
         if self.clock.len() < FEWEST_SAMPLES {
+            let read = layout.clock.iter().chain(layout.values.iter().flatten());
+            let mut empty = read.filter(|source| (0..rows).all(|row| !sheet.cell(row, source.column).is_finite()));
+            if let Some(source) = empty.next().filter(|_| rows >= FEWEST_SAMPLES) {
+                let message = format!("expected numbers in `{}`, found none in {rows} rows", layout.header(source));
+                return Err(Error::file(
+                    path,
+                    message,
+                    "choose another column, or leave it out of the simulation file",
+                ));
+            }
             let message = format!("expected at least {FEWEST_SAMPLES} samples, found {}", self.clock.len());
             return Err(Error::file(path, message, "record for longer"));
         }
@@ -221,6 +231,12 @@ mod tests {
     fn read(sheet: &Sheet, columns: &[(&str, &str)]) -> Result<Recording> {
         let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
         sheet.recording(Path::new("/a.parquet"), &ReadOptions { columns, ..ReadOptions::default() })
+    }
+
+    #[test]
+    fn a_column_without_any_number_is_named() {
+        let found = read(&sheet(&["t_s", "z_m"], &[0.0, f64::NAN, 1.0, f64::NAN, 2.0, f64::NAN]), &[]).unwrap_err();
+        assert!(error_text(&found).0.ends_with("expected numbers in `z_m`, found none in 3 rows"), "{found}");
     }
 
     /// The same numbers as a text give the same observation.

@@ -96,6 +96,9 @@ finding_kinds! {
     warning ROBOT_LEADER = "robot.leader",
         "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
         "record the positions of the follower";
+    warning ROBOT_SIGN = "robot.sign",
+        "a joint moves against its commands: one of both has the other sign",
+        "turn the sign of one column: a `-` before its name in `--columns`";
     warning ROBOT_STEPS = "robot.steps",
         "the commands of a joint are followed by its speed: they are steps, as of a policy, not positions to go to; the recording is not used",
         "record the positions that it was sent to, or add up the steps";

@@ -81,10 +81,9 @@ impl AnswerVerdict {
     pub const fn word(self) -> &'static str {
         match self {
             Self::Law => "law",
-            Self::OneOfLaws => "one_of",
+            Self::OneOfLaws | Self::Effects(diagnose::Verdict::OneOf) => "one_of",
             Self::Effects(diagnose::Verdict::None) => "none",
             Self::Effects(diagnose::Verdict::Named) => "named",
-            Self::Effects(diagnose::Verdict::OneOf) => "one_of",
             Self::Effects(diagnose::Verdict::Unknown) => "unknown",
             Self::Effects(diagnose::Verdict::Insufficient) => "insufficient",
         }

@@ -109,8 +109,11 @@ impl Parquet {
     pub fn column(&self, name: &str) -> Result<&Column> {
         let found = self.columns.iter().find(|column| column.name == name && column.of != Holds::Other);
         found.ok_or_else(|| {
-            let names = self.columns.iter().map(|column| column.name.as_str());
-            let message = format!("expected a column `{name}` of numbers, found {}", crate::shown::list(names, 12));
+            let found = match self.columns.iter().find(|column| column.name == name) {
+                Some(_) => "one that holds something else".to_owned(),
+                None => crate::shown::list(self.columns.iter().map(|column| column.name.as_str()), 12),
+            };
+            let message = format!("expected a column `{name}` of numbers, found {found}");
             Error::file(&self.path, message, "is this the right file?")
         })
     }

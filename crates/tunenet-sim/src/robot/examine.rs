@@ -36,6 +36,8 @@ const OTHER_UNIT: f64 = 20.0;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const NEAR_DEGREES: f64 = 0.25;
 const FOLLOWS: f64 = 0.8;
+/// Commands explain less than this share of what they explain with the other sign.
+const AGAINST: f64 = 0.5;
 const FOLLOWING_LAGS: u32 = 25;
 /// Steps of a joint span less than one of so many parts of its way.
 const SMALL_STEPS: f64 = 3.0;
@@ -261,6 +263,13 @@ fn position(
         let remedy = "record the positions of the follower, not of the leader";
         return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
     }
+    let share =
+        |sign: f64| explained(seen.clock(), &values, |t| sign * command.at(0, t)).map_or(0.0, |(share, _)| share);
+    if share(-1.0) > FOLLOWS && share(1.0) < AGAINST * share(-1.0) {
+        let text = format!("`{name}` moves against its commands: expected one sign, found two");
+        let remedy = "turn the sign of the column of commands or of positions: a `-` before its name in `--columns`";
+        return Some((Note::new(findings::ROBOT_SIGN, text, remedy), false));
+    }
     let lag = best_lag(seen.clock(), &values, |t| command.at(0, t))?;
     (lag.abs() > OTHER_CLOCK_S).then(|| {
         let early = if lag > 0.0 { "before" } else { "after" };
@@ -342,6 +351,16 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A periodic command says nothing: half a period later it has the other sign.
+    #[test]
+    fn commands_of_the_other_sign_explain_nothing_by_themselves() {
+        let clock: Vec<f64> = (0..300).map(|i| 0.02 * f64::from(i)).collect();
+        let chirp = |t: f64| (t * t).sin();
+        let against: Vec<f64> = clock.iter().map(|t| -chirp(t - 0.1)).collect();
+        let share = |sign: f64| explained(&clock, &against, |t| sign * chirp(t)).map_or(0.0, |(share, _)| share);
+        assert!(share(-1.0) > FOLLOWS && share(1.0) < AGAINST * share(-1.0), "{} {}", share(-1.0), share(1.0));
+    }
 
     #[test]
     fn a_pause_is_noticed_and_an_uneven_clock_is_not() {
