@@ -96,6 +96,27 @@ fn private_words_do_not_come_back() {
     );
 }
 
+/// Words that have an ordinary meaning in other places, and none in the diagnosis: shared parameters, columns, candidates and steps of the
+/// selection.
+const PRIVATE_IN_DIAGNOSIS: [&str; 8] = ["global", "globals", "slot", "slots", "trial", "trials", "stage", "stages"];
+
+#[test]
+fn the_diagnosis_speaks_of_parameters_candidates_and_steps() {
+    let mut all = Vec::new();
+    files(&root().join("crates/tunenet-core/src/diagnose"), &["rs"], &mut all);
+    assert!(all.len() > 40, "{} files", all.len());
+    let of = |path: &std::path::PathBuf| {
+        let text = std::fs::read_to_string(path).unwrap();
+        let found = text
+            .lines()
+            .enumerate()
+            .filter(|(_, line)| words(line).iter().any(|w| PRIVATE_IN_DIAGNOSIS.contains(&w.as_str())));
+        found.map(|(i, line)| format!("{}:{}: {line}", path.display(), i + 1)).collect::<Vec<_>>()
+    };
+    let found: Vec<String> = all.iter().flat_map(of).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
 #[test]
 fn words_are_found_within_identifiers() {
     assert_eq!(
