@@ -3,7 +3,7 @@
 
 use super::scale::{BRIEF, FINISH, rescaled};
 use super::selection_step::{DiscrepancyStep, brief_step, selection_step};
-use super::wide_search::widened;
+use super::wide_search::{is_affordable, widened};
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
@@ -39,7 +39,7 @@ pub(in crate::diagnose) struct Gated<'a> {
 }
 
 /// Searches from the tuned simulation `base`: candidates from where they are absent. Where these explain nothing, or one of them leaves far
-/// more than noise, or several do and end at a bound, the first candidate is searched from starts across its bounds as well.
+/// more than noise, or several do and end at a bound, the first candidate is searched from starts across its bounds as well, of a few joints.
 ///
 /// # Errors
 /// Where the simulator refuses.
@@ -51,7 +51,7 @@ pub(in crate::diagnose) fn search_gated<'a>(
     let near = search_from(context, base, selection_step, progress)?;
     let left = near.left_over(context)?;
     let settled = near.found.best.as_ref().is_some_and(|best| best.structure.effects.len() > 1 && !at_bound(best));
-    if settled || left.is_some_and(|left| left < OPEN) {
+    if settled || left.is_some_and(|left| left < OPEN) || !is_affordable(context, base) {
         return Ok(near);
     }
     let wide = search_from(context, base, |context, model| widened(context, selection_step(context, model)), progress)?;

@@ -22,6 +22,8 @@ const RATIO: f64 = 1.6;
 const MOST_VALUES: usize = 11;
 /// Rollouts of first parts that this takes at most, by candidates in their order, most promising first.
 const BUDGET: usize = 30_000;
+/// The least share of the grid that is worth a search.
+const COVERED: f64 = 0.25;
 /// Starts that go on: of every candidate the one that suits the first part best, and so many of all that suit the whole best.
 const GOING_ON: usize = 6;
 
@@ -49,8 +51,7 @@ struct Start<'a> {
 pub(super) fn widened<'a>(context: &Context<'a>, mut step: DiscrepancyStep<'a>) -> DiscrepancyStep<'a> {
     let model = &step.model;
     let open = step.candidates.iter().enumerate().filter(|(_, candidate)| candidate.excluded.is_none());
-    let of_each = FIRST.derivatives * (model.structure.shared.len() + 1) + FIRST.steps + 4;
-    let affordable = BUDGET / (of_each * context.recordings().len()).max(1);
+    let affordable = affordable(context, model);
     let grids = open.flat_map(|(position, candidate)| grid_of(context, model, (position, candidate.entry)));
     let starts: Vec<GridPoint> = grids.take(affordable).collect();
     let first = starts.par_iter().filter_map(|start| first_fit(context, model, *start));
@@ -73,6 +74,18 @@ pub(super) fn widened<'a>(context: &Context<'a>, mut step: DiscrepancyStep<'a>) 
         }
     }
     finish(context, step)
+}
+
+/// How many starts the budget has.
+fn affordable(context: &Context, model: &Hypothesis) -> usize {
+    let of_each = FIRST.derivatives * (model.structure.shared.len() + 1) + FIRST.steps + 4;
+    BUDGET / (of_each * context.recordings().len()).max(1)
+}
+
+/// Whether the budget covers enough of the grid of all candidates in addition to `model`: of many joints it covers one candidate alone.
+pub(super) fn is_affordable(context: &Context, model: &Hypothesis) -> bool {
+    let whole: usize = (0..context.catalogue.len()).map(|entry| grid_of(context, model, (0, entry)).len()).sum();
+    affordable(context, model) as f64 >= COVERED * whole as f64
 }
 
 /// Values of a coefficient from a part of its typical size to its bounds, to both sides.
