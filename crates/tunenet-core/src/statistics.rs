@@ -60,12 +60,23 @@ pub fn mad_sd(values: impl IntoIterator<Item = f64>) -> f64 {
     SD_PER_MAD * median(values.into_iter().map(f64::abs)).unwrap_or(0.0)
 }
 
+/// The root mean square; 0 of none.
+#[must_use]
+pub fn root_mean_square(values: impl IntoIterator<Item = f64>) -> f64 {
+    mean(values.into_iter().map(|v| v * v)).sqrt()
+}
+
+/// The least and the greatest value; ∞ and −∞ of none.
+#[must_use]
+pub fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
 /// The greatest value less the least; −∞ of none.
 #[must_use]
 pub fn range(values: impl IntoIterator<Item = f64>) -> f64 {
-    let ends =
-        values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
-    ends.1 - ends.0
+    let (low, high) = extent(values);
+    high - low
 }
 
 /// Σ rᵢ rᵢ₊ₖ / Σ rᵢ² over the mean-free values, for lags `k` from 0 to `lags`; 0 where all are equal.

@@ -1,6 +1,8 @@
 //! The bench's own integrator: leapfrog (Störmer 1907; Verlet 1967), from each half step's change of speed as much of the dry friction
 //! taken as stops it at most. Nothing of it is shared with the simulator under test.
 
+use tunenet_core::statistics::root_mean_square;
+
 use super::servo::{GAIN_1_RAD, GRAVITY_M_S2, Motor, Run, SUPPLY_V, Secrets};
 
 /// Stiffness of a gear that is not said to give way, N·m/rad.
@@ -206,7 +208,7 @@ impl<'a> Joint<'a> {
 
 /// Root mean square of a difference.
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
-    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
+    root_mean_square(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The true motion: a base model with a hidden force, bounces and dry friction exactly where they happen.
 
 use serde::{Deserialize, Serialize};
+use tunenet_core::statistics::root_mean_square;
 
 use super::arena::{Arena, Base, RADIUS_M, Run};
 use super::cash_karp::{Motion, State, follow};
@@ -180,8 +181,8 @@ impl World {
 
 /// Root mean square of the differences; infinite where one of them is no number.
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let mean = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64;
-    if mean.is_finite() { mean.sqrt() } else { f64::INFINITY }
+    let found = root_mean_square(a.iter().zip(b).map(|(a, b)| a - b));
+    if found.is_finite() { found } else { f64::INFINITY }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Lack-of-fit test: the root mean square of residuals against the noise of their channel (Draper and Smith 1998, chapter 2).
 
 use crate::observation::{Kind, Observation, lattice_step};
+use crate::statistics::range;
 
 /// A misfit below this share of the range of the data is negligible, even for exact recordings.
 const PRACTICAL_SHARE: f64 = 1e-6;
@@ -34,10 +35,8 @@ impl Adequacy {
             let column = || residuals.iter().skip(channel).step_by(width);
             let degrees_of_freedom = (samples as f64 - fitted as f64 / width as f64).max(1.0);
             let ratio = (column().map(|r| r * r).sum::<f64>() / degrees_of_freedom).sqrt();
-            let (low, high) =
-                seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             let resolved = || ratio <= 1.0 || !discrepancy || !is_below_step(seen, channel, ratio * noise);
-            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst && resolved() {
+            if ratio * noise > PRACTICAL_SHARE * range(seen.column(channel)) && ratio > worst && resolved() {
                 (worst, place) = (ratio, channel);
             }
         }

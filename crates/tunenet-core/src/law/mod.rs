@@ -57,6 +57,7 @@ use crate::Result;
 use crate::estimate::RolloutLog;
 use crate::estimate::floor;
 use crate::simulator::Prepared;
+use crate::statistics::root_mean_square;
 use ahead::Ahead;
 use answer::MOST_FORCE;
 use around::Around;
@@ -222,8 +223,7 @@ fn conclude(
 }
 
 fn rms(residuals: &[Vec<f64>]) -> f64 {
-    let (count, sum) = residuals.iter().flatten().fold((0.0, 0.0), |(n, s), r| (n + 1.0, s + r * r));
-    (sum / f64::max(count, 1.0)).sqrt()
+    root_mean_square(residuals.iter().flatten().copied())
 }
 
 /// How far the noise of one recording may lie from that of all for them to be one.

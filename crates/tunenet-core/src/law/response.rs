@@ -11,7 +11,7 @@ use crate::Result;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::{Point, RolloutLog};
 use crate::simulator::{Prepared, every, predict};
-use crate::statistics::quantile;
+use crate::statistics::{mean, quantile};
 
 /// Samples in a piece of constant acceleration, and most pieces of a recording.
 const SAMPLES: usize = 3;
@@ -217,7 +217,7 @@ impl Response {
 
     /// What a direction times these values at all instants changes: a column for each of its components.
     pub fn columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
-        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(mean).collect();
+        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(|instants| mean(instants.iter().copied())).collect();
         let components = self.parts[0].reduced[direction].len();
         let one = |c: usize| {
             let mut at = 0;
@@ -268,7 +268,7 @@ fn answer(visits: &[Visit], response: &DMatrix<f64>, term: &Term, numbers: &[f64
     };
     for (b, piece) in visits.chunks_exact(INSTANTS).enumerate() {
         let visit = &piece[INSTANTS / 2];
-        let product = mean(&piece.iter().map(product).collect::<Vec<_>>());
+        let product = mean(piece.iter().map(product));
         for (component, coefficient) in visit.components[term.direction].iter().zip(numbers) {
             for a in 0..axes {
                 acceleration[a * pieces + b] += coefficient * product * component[a];
@@ -319,10 +319,6 @@ fn response(
     }
     let rows = clock.len() * recording.seen.channels().len();
     Ok(DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]))
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Between which values of each variable these visits lie.

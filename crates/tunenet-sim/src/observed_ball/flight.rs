@@ -5,6 +5,7 @@ use tunenet_ball::{Arcs, BallSegmentation};
 use tunenet_core::Result;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Prepared};
+use tunenet_core::statistics;
 
 use super::{ObservedBall, start_nuisances};
 use crate::scene::Release;
@@ -26,7 +27,7 @@ impl ObservedBall {
     pub(super) fn prepare_flight(&self, seen: &Observation) -> Result<Preparation> {
         let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
-        let range_m = (0..3).map(|axis| super::prepare::span(seen.column(axis))).fold(0.1, f64::max);
+        let range_m = (0..3).map(|axis| statistics::range(seen.column(axis))).fold(0.1, f64::max);
         let fastest =
             (2.0 * self.scene.gravity_m_s2 * range_m).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let guesses =

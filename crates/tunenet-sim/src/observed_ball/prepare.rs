@@ -8,6 +8,7 @@ use tunenet_core::Result;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
+use tunenet_core::statistics;
 use tunenet_core::tune::channel_noise;
 
 use super::{Nuisance, ObservedBall};
@@ -75,7 +76,7 @@ impl ObservedBall {
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
         let contact =
             arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min).or(preflight.coarse.map(|fall| fall.low_m));
-        let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
+        let range = (0..3).map(|axis| statistics::range(usable.column(axis))).fold(0.1, f64::max);
         // In a flight that touches nothing, the simulation must not either: the surface lies out of reach.
         let touched = contact.is_some() || !lowest_at_an_end(&usable);
         let lowest = if touched { lowest } else { lowest - 2.0 * range };
@@ -199,9 +200,4 @@ fn leading_restitution(intervals: &[f64], noise_s: f64) -> Option<LocalEstimate>
     let sd = value * 2f64.sqrt() * noise_s / (weight * square).sqrt();
     (leading.len() >= 2 && value.is_finite())
         .then_some(LocalEstimate { value: value.clamp(0.0, 1.0), sd: sd.max(1e-9) })
-}
-
-pub(super) fn span(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    high - low
 }

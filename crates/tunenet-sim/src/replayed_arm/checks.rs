@@ -4,7 +4,7 @@ use tunenet_core::finding::FindingKind;
 
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{Check, State};
-use tunenet_core::statistics::dot;
+use tunenet_core::statistics::{dot, extent};
 
 use super::filter::{slope, smooth};
 use super::recorded::{columns, even_step};
@@ -95,10 +95,6 @@ fn effort(seen: &Observation, gains: bool) -> Check {
     }
 }
 
-fn range(seen: &Observation, column: usize) -> (f64, f64) {
-    seen.column(column).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-}
-
 /// So many times its limit, and a position is none in radians.
 const BEYOND: f64 = 3.0;
 
@@ -140,7 +136,7 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
     let kind = findings::JOINTS_UNITS;
     let remedy = "name the columns `q1_deg`, … and `dq1_deg_s`, … (with `--columns` where the names are others), or record radians";
     for Column { name, limit_rad, position, speed } in all {
-        let (low, high) = range(seen, position);
+        let (low, high) = extent(seen.column(position));
         let farthest = low.abs().max(high.abs());
         if farthest > limit_rad {
             // No arm's own limits stand behind a whole number of turns.
@@ -173,7 +169,7 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
 
 /// Measured speeds over the slope of the positions, and the cosine between both; nothing where the joint hardly moves.
 fn ratio(seen: &Observation, position: usize, speed: usize) -> Option<(f64, f64)> {
-    let (low, high) = range(seen, position);
+    let (low, high) = extent(seen.column(position));
     if high - low < STILL_RAD {
         return None;
     }

@@ -9,6 +9,7 @@ use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::Input;
 use crate::simulator::{Effect, Excitation, Follows};
+use crate::statistics::extent;
 
 /// An effect of those that the experiment has to distinguish.
 struct Contested<'a> {
@@ -104,8 +105,8 @@ fn reach(recordings: &[PreparedRecording], joint: usize) -> Reach {
             of_unit.map(|(column, _)| column).nth(joint)
         };
         if let Some(angle) = column("rad") {
-            let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
-            (found.low_rad, found.high_rad) = input.column(angle).fold((found.low_rad, found.high_rad), ends);
+            let (low, high) = extent(input.column(angle));
+            (found.low_rad, found.high_rad) = (found.low_rad.min(low), found.high_rad.max(high));
         }
         if let Some(speed) = column("rad/s") {
             found.fastest_rad_s = input.column(speed).fold(found.fastest_rad_s, |most, v| most.max(v.abs()));

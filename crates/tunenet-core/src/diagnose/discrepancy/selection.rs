@@ -13,6 +13,7 @@ use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::{Progress, Test};
 use crate::estimate::huber::huber_cost;
 use crate::estimate::information_criterion::p_value;
+use crate::statistics::root_mean_square;
 
 /// Every effect has to gain this many times the margin: the search looks at all candidates, with several starts.
 const FIRM: f64 = 2.0;
@@ -79,9 +80,7 @@ impl Gated<'_> {
         let Some(best) = &self.found.best else { return Ok(None) };
         let measured = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.0));
         let residuals = measured.joint(&best.structure).residuals(&best.fit.point, 1.0)?;
-        let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
-        let squares: f64 = residuals.iter().flatten().map(|r| r * r).sum();
-        Ok(Some((squares / count as f64).sqrt()))
+        Ok(Some(root_mean_square(residuals.into_iter().flatten())))
     }
 }
 

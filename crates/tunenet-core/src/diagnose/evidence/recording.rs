@@ -6,7 +6,7 @@ use super::ar1_prewhitening::Filter;
 use crate::estimate::channel_noise;
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Parameter, Prepared};
-use crate::statistics::{mad_sd, median};
+use crate::statistics::{mad_sd, median, range};
 
 /// A model that explains a channel to better than this share of its range is as good as exact; it bounds the noise of data
 /// without any from below.
@@ -255,9 +255,4 @@ fn noise(seen: &Observation) -> Vec<f64> {
     };
     // A channel on a coarse grid may show no differences at all; then what the even clock would give stands.
     (0..plain.len()).map(|c| Some(spread(c)).filter(|sd| *sd > 0.0).map_or(plain[c], |sd| sd.min(plain[c]))).collect()
-}
-
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    high - low
 }
