@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
+use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::verdict::{Decision, decide};
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, rmse};
@@ -12,6 +13,7 @@ use crate::diagnose::judge::adequacy::noise_correlation;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::validation_doubt::{Doubt, validation_doubt};
 use crate::diagnose::strategy::{Attempt, Control, RandomParameter, Scope};
+use crate::simulator::Text;
 use crate::statistics::mad_sd;
 
 /// A model may not raise the held-out residual by more than this factor.
@@ -105,9 +107,13 @@ impl<'a> Judgement<'a> {
         let differs = per_recording.map(|fits| Doubt::DiffersBetweenRecordings(fits.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
         let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::OneSetup);
-        let doubt = doubt.or(differs).or(random).or(unvaried).filter(|_| !found.selected.is_empty());
-        let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
+        let doubt = doubt.or(differs).or(random).or(unvaried);
+        let doubt = match (doubt, &found.best) {
+            (None, Some(best)) => including_absence(&context, best, heterogeneous)?.map(Doubt::Undetermined),
+            (doubt, _) => doubt.filter(|_| !found.selected.is_empty()),
+        };
+        let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let significant = whole && practical.is_some();
         tests.extend(practical.into_iter().flatten());
         Ok(Self {
@@ -166,6 +172,25 @@ fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
         && first.is_some_and(|first| {
             first.width() > 1 && evidence.training.iter().all(|recording| setup(recording) == setup(first))
         })
+}
+
+/// Of recordings that no simulation explains down to their noise: an effect whose intervals all include its absence.
+fn including_absence(context: &Context, best: &Hypothesis, heterogeneous: bool) -> Result<Option<Text>> {
+    if !context.evidence.discrepancy() {
+        return Ok(None);
+    }
+    let intervals = Intervals::new(context, best, heterogeneous)?;
+    let shown = |position: usize| {
+        let own = best.structure.shared.iter().enumerate().filter(|(_, shared)| !shared.shape);
+        let mut own = own.filter(|(_, shared)| shared.effect.is_some_and(|(effect, _)| effect == position));
+        own.any(|(column, shared)| {
+            let (absent, (low, high)) = (shared.absent.map_or(0.0, |(absent, _)| absent), intervals.of(column));
+            absent < low || absent > high
+        })
+    };
+    let effects = &best.structure.effects;
+    let lost = (0..effects.len()).find(|position| !shown(*position));
+    Ok(lost.map(|position| context.catalogue[effects[position]].name.clone()))
 }
 
 /// Of recordings that are held out, where effects are expected to be explained down to the noise: the one that leaves most, as its position

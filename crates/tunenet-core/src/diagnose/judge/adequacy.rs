@@ -37,6 +37,8 @@ pub(in crate::diagnose) struct ResidualDiagnostics {
     pub tests: Vec<Test>,
     /// Whether the recordings differ among themselves by more than their noise.
     pub heterogeneous: bool,
+    /// Whether what is left is less than a step of every sensor, so that all tests pass whatever its shape.
+    pub unresolved: bool,
 }
 
 impl ResidualDiagnostics {
@@ -63,13 +65,14 @@ pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypot
     let mut heterogeneous = agreement.as_ref().is_some_and(|test| !test.passed);
     tests.extend(agreement);
     tests.extend(residual_size(context, model));
-    if is_rounding(context, model) || is_unresolved(context, model) {
+    let unresolved = is_unresolved(context, model);
+    if unresolved || is_rounding(context, model) {
         for test in &mut tests {
             test.passed = true;
         }
         heterogeneous = false;
     }
-    ResidualDiagnostics { tests, heterogeneous }
+    ResidualDiagnostics { tests, heterogeneous, unresolved }
 }
 
 /// Whether nothing is left but what counting in binary leaves: that has a shape of its own, and nothing is missing in it.

@@ -71,6 +71,8 @@ pub enum Doubt {
     DiffersBetweenRecordings(Vec<Text>),
     /// They were found together with a parameter that differs between recordings.
     ParameterDiffers(String),
+    /// The interval of this effect, as it is stated, includes its absence.
+    Undetermined(Text),
     /// All recordings of several channels have one setup.
     OneSetup,
     /// A single motion shows them; in words.
@@ -88,6 +90,7 @@ impl Doubt {
             self,
             Self::DiscrepancyRemains
                 | Self::OneSetup
+                | Self::Undetermined(_)
                 | Self::ForecastWorse
                 | Self::ForecastHardlyBetter
                 | Self::Feigned(..)
@@ -120,6 +123,7 @@ impl fmt::Display for Doubt {
                 return write!(f, "{} of another size in each recording explains as much", effects.join(" and "));
             }
             Self::ParameterDiffers(name) => return write!(f, "{name} differs between recordings too"),
+            Self::Undetermined(effect) => return write!(f, "the interval of {effect} includes its absence"),
             Self::OneSetup => {
                 "the recordings have one setup, in which effects of one channel can imitate those of another"
             }

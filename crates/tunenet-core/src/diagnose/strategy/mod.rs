@@ -235,12 +235,17 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     }
 }
 
+/// Below a step of the sensor, an effect has to leave less than this share of held-out recordings: errors of integration have a shape too.
+const RESOLVED: f64 = 0.9;
+
 /// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise.
 fn borne_out(attempt: Attempt) -> Result<Attempt> {
     let (Some(best), Some(before)) = (&attempt.found.best, &attempt.before) else { return Ok(attempt) };
     let after = validate(&attempt.context, best)?;
-    let worse = after.is_some_and(|after| after.rmse >= before.rmse);
-    if !worse || !residual_diagnostics(&attempt.context, &attempt.found.base).passed() {
+    let base = residual_diagnostics(&attempt.context, &attempt.found.base);
+    let least = if base.unresolved { RESOLVED } else { 1.0 };
+    let worse = after.is_some_and(|after| after.rmse >= least * before.rmse);
+    if !worse || !base.passed() {
         return Ok(attempt);
     }
     let found = Selection { best: None, selected: Vec::new(), ..attempt.found };
