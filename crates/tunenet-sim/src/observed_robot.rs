@@ -8,7 +8,7 @@ use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValu
 use tunenet_formats::{Error, Result};
 
 use crate::arm::{JointKind, Model, model_file};
-use crate::robot::effects::RobotEffect;
+use crate::robot::effects::{RobotEffect, in_units_of_joints};
 use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
 use crate::robot::numbers::{JointNumbers, Number};
 use crate::robot::rig::{Mass, Rig};
@@ -73,7 +73,9 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         (0..order.len()).all(|joint| joints.contains(&joint))
     };
     let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
-    let entries: Vec<Effect> = effects.iter().map(|effect| effect.entry(&names, tuned)).collect();
+    let slides: Vec<bool> = names.iter().map(|name| is_slide(&model, name)).collect();
+    let entry = |effect: &RobotEffect| in_units_of_joints(effect.entry(&names, tuned), &slides);
+    let entries: Vec<Effect> = effects.iter().map(entry).collect();
     let layout = Layout {
         roles,
         effects: effects.clone(),
@@ -203,6 +205,11 @@ pub(crate) fn order<'a>(file: &'a SimulationFile, model: &Model) -> Result<Vec<(
     let scene = file.robot()?;
     let one = |joint: &&crate::arm::Joint| scene.joints.get_key_value(&joint.name);
     Ok(model.joints().iter().filter_map(one).map(|(name, joint)| (name.as_str(), joint)).collect())
+}
+
+/// Whether the joint of this name slides.
+pub(crate) fn is_slide(model: &Model, name: &str) -> bool {
+    model.joints().into_iter().any(|joint| joint.name == name && joint.kind == JointKind::Prismatic)
 }
 
 /// One setup.

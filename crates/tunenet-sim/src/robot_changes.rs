@@ -9,8 +9,8 @@ use tunenet_models::export::{BamServo, Whole, WholeNumber};
 use tunenet_models::{Change, Motion, Quantity};
 
 use crate::SimulationFile;
-use crate::arm::{JointKind, Model, model_file};
-use crate::observed_robot::{chain, model_path, order, rig, roles};
+use crate::arm::{Model, model_file};
+use crate::observed_robot::{chain, is_slide, model_path, order, rig, roles};
 use crate::robot::imperfect::Imperfect;
 use crate::robot::numbers::JointNumbers;
 use crate::robot::numbers::Number;
@@ -98,11 +98,7 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
 
 /// How each of these joints moves.
 fn kinds(model: &Model, order: &[(&str, &JointScene)]) -> Vec<Motion> {
-    let slides = |name: &str| {
-        let mut joints = model.joints().into_iter();
-        joints.any(|joint| joint.name == name && joint.kind == JointKind::Prismatic)
-    };
-    order.iter().map(|(name, _)| if slides(name) { Motion::Prismatic } else { Motion::Revolute }).collect()
+    order.iter().map(|(name, _)| if is_slide(model, name) { Motion::Prismatic } else { Motion::Revolute }).collect()
 }
 
 /// Numbers below this, in SI units, are 0.

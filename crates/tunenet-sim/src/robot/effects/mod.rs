@@ -198,6 +198,32 @@ impl RobotEffect {
     }
 }
 
+/// The unit of a hinge's number where the joint slides: m for rad, and N for N·m.
+pub(crate) fn unit_of_slide(of_a_hinge: &str) -> &str {
+    match of_a_hinge {
+        "rad" => "m",
+        "s/rad" => "s/m",
+        "N·m" => "N",
+        "N·m/rad" => "N/m",
+        "rad/(N·m)" => "m/N",
+        "N·m·s/rad" => "N·s/m",
+        "N·m·s²/rad²" => "N·s²/m²",
+        "kg·m²" => "kg",
+        unit => unit,
+    }
+}
+
+/// The same entry with the units of slides in the numbers of joints that slide.
+pub(crate) fn in_units_of_joints(mut entry: Effect, slides: &[bool]) -> Effect {
+    for coefficient in &mut entry.coefficients {
+        let joint = coefficient.number.and_then(|number| number.checked_sub(1));
+        if joint.and_then(|joint| slides.get(joint)) == Some(&true) {
+            coefficient.unit = unit_of_slide(&coefficient.unit).to_owned().into();
+        }
+    }
+    entry
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,6 +265,22 @@ mod tests {
         assert_eq!(friction.repeated_by, [["a__coulomb"], ["b__coulomb"]]);
         let braking = RobotEffect::find("release_braking").unwrap().entry(&["a"], |_| true);
         assert_eq!(braking.repeated_by, [["a__viscous", "a__back_emf"]]);
+    }
+
+    #[test]
+    fn a_slide_has_units_of_a_slide() {
+        let units = |name: &str| -> Vec<String> {
+            let entry = RobotEffect::find(name).unwrap().entry(&["a", "b"], |_| true);
+            in_units_of_joints(entry, &[false, true]).coefficients.iter().map(|c| c.unit.to_string()).collect()
+        };
+        assert_eq!(units("command_offset"), ["rad", "m"]);
+        assert_eq!(units("speed_limit"), ["s/rad", "s/m"]);
+        assert_eq!(units("quadratic_friction"), ["N·m·s²/rad²", "N·s²/m²"]);
+        for effect in all() {
+            let entry = in_units_of_joints(effect.entry(&["a"], |_| true), &[true]);
+            let of_hinge = |c: &Coefficient| c.number.is_some() && c.unit.contains("rad");
+            assert!(!entry.coefficients.iter().any(of_hinge), "{}: {:?}", effect.name, entry.coefficients);
+        }
     }
 
     #[test]
