@@ -8,6 +8,7 @@ use super::schema::{Definition, is_name};
 use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
 use crate::arm::{Joint, JointKind, Model};
+use crate::robot::effects::unit_of_slide;
 use crate::robot::{Drive, StatedGravity, StatedMotor, observable_zeros};
 
 /// Where a log has the numbers of a joint.
@@ -76,7 +77,10 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
         text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
     }
     let drive = |joint: &&Joint| start.motor(&joint.name).map_or(Drive::Position, |motor| motor.drive);
-    let one_gain = start.columns.is_some() && !named.is_empty() && named.iter().all(|joint| drive(joint).has_duty());
+    // A log has one gain, and a model states the limit next to it.
+    let states_limit = |joint: &&Joint| start.motor(&joint.name).is_some_and(|motor| motor.stall_torque.is_some());
+    let stated = start.columns.is_some() || named.iter().all(states_limit);
+    let one_gain = stated && !named.is_empty() && named.iter().all(|joint| drive(joint).has_duty());
     if one_gain {
         text = with_tuned_gains(text, named.len());
     }
@@ -99,7 +103,9 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some();
             let hidden = number == "zero" && !shown.contains(&joint.name.as_str());
-            let held = (number == "back_emf" && together) || (number == "stall_torque" && one_gain) || hidden;
+            // No recording shows a limit that a torque drive does not reach.
+            let limit = number == "stall_torque" && (one_gain || drive(joint) == Drive::Torque);
+            let held = (number == "back_emf" && together) || limit || hidden;
             let tune = known.tune && !held;
             let own = Definition { unit: unit_of(joint, known.unit), ..*known };
             parameter(&mut text, (&format!("{}{BETWEEN}{number}", joint.name), default, tune), &own);
@@ -118,14 +124,7 @@ fn shown_zeros<'m>(model: &'m Model, start: &RobotStart) -> Vec<&'m str> {
 
 /// The unit of a hinge's number for this joint.
 fn unit_of(joint: &Joint, of_a_hinge: &'static str) -> &'static str {
-    match of_a_hinge {
-        unit if joint.kind != JointKind::Prismatic => unit,
-        "N·m" => "N",
-        "N·m·s/rad" => "N·s/m",
-        "kg·m²" => "kg",
-        "rad" => "m",
-        unit => unit,
-    }
+    if joint.kind == JointKind::Prismatic { unit_of_slide(of_a_hinge) } else { of_a_hinge }
 }
 
 /// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
@@ -136,7 +135,7 @@ fn with_tuned_gains(text: String, joints: usize) -> String {
     let Some((before, table)) = text.split_once(TABLE) else { return text };
     let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
     let said = line(
-        "# One log shows the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
+        "# Recordings at one gain show the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
     );
     let factors = vec!["1.0"; joints].join(", ");
     let table = table.replacen("# factor = 1.0", &format!("factor = [{factors}]"), 1).replacen(
