@@ -9,4 +9,4 @@ mod sidecar;
 pub use bam::{Bam, BamServo, bam};
 pub use isaac_lab::isaac_lab;
 pub use ranges::ranges;
-pub use sidecar::{Whole, WholeNumber, sidecar};
+pub use sidecar::{Whole, WholeNumber, is_sidecar, sidecar};

@@ -28,6 +28,15 @@ pub struct WholeNumber {
     pub interval: Option<[f64; 2]>,
 }
 
+/// The first line of a sidecar.
+const HEAD: &str = "# What the model file cannot express: simulate it around the model.\n";
+
+/// Whether a text was written by [`sidecar`].
+#[must_use]
+pub fn is_sidecar(text: &str) -> bool {
+    text.starts_with(HEAD)
+}
+
 /// A TOML with a table for each joint and quantity: `value`, `unit`, `interval` where it is known, and `why` the model file
 /// cannot hold it; and one for each effect of the robot as a whole, with a table `interval`. Empty where there is nothing to say.
 #[must_use]
@@ -36,7 +45,7 @@ pub fn sidecar(model: &Path, left: &[Left], whole: &[Whole]) -> String {
         return String::new();
     }
     let mut document = DocumentMut::new();
-    document.decor_mut().set_prefix("# What the model file cannot express: simulate it around the model.\n");
+    document.decor_mut().set_prefix(HEAD);
     document["model"] = value(model.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default());
     let mut joints = Table::new();
     joints.set_implicit(true);
@@ -102,6 +111,7 @@ mod tests {
         let text = sidecar("folder/arm.xml".as_ref(), &left, &whole);
         let read: DocumentMut = text.parse().unwrap();
         assert_eq!(read["model"].as_str(), Some("arm.xml"));
+        assert!(is_sidecar(&text) && !is_sidecar("model = 1"));
         let table = &read["joints"]["arm \"1\".x"]["dead_band"];
         assert_eq!((table["value"].as_float(), table["unit"].as_str()), (Some(0.01), Some("m")));
         assert_eq!(table["interval"][1].as_float(), Some(0.02));

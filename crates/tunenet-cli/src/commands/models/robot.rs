@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use tunenet_core::text::visible;
 use tunenet_formats::shown_path;
 use tunenet_models::edit::Left;
-use tunenet_models::export::{BamServo, Whole, bam, isaac_lab, sidecar};
+use tunenet_models::export::{BamServo, Whole, bam, is_sidecar, isaac_lab, sidecar};
 use tunenet_models::{Change, Quantity};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::model_file::edited;
@@ -61,9 +61,20 @@ fn write_model(out: &Path, options: &Models, file: &SimulationFile, found: &Robo
     stage("model", &shown_path(out));
     let left: Vec<Left> = found.left.iter().chain(&done.left).cloned().collect();
     let rest = sidecar(out, &left, &found.whole);
-    if let Some(path) = options.sidecar().filter(|_| !rest.is_empty()) {
-        put(&path, &rest)?;
-        stage("effects", &format!("{}: the model cannot express {}", shown_path(&path), listed(&left, &found.whole)));
+    match options.sidecar() {
+        Some(path) if !rest.is_empty() => {
+            put(&path, &rest)?;
+            stage(
+                "effects",
+                &format!("{}: the model cannot express {}", shown_path(&path), listed(&left, &found.whole)),
+            );
+        }
+        // That of another run would say of this model what does not hold.
+        Some(path) if std::fs::read_to_string(&path).is_ok_and(|text| is_sidecar(&text)) => {
+            std::fs::remove_file(&path).with_context(|| format!("removing {}", shown_path(&path)))?;
+            stage("removed", &format!("{}: this model expresses everything", shown_path(&path)));
+        }
+        _ => {}
     }
     for note in &done.notes {
         stage("note", note);
