@@ -9,14 +9,22 @@ use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
-use super::inputs;
+use super::inputs::{self, ReadInputs};
 
 /// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
 pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions) -> Result<Recording> {
     let channels = declared::channels(file)?;
     given.map(|path| refuse_unused_options(path, options)).transpose()?;
     let headers = file.headers();
-    let clock = file.record().clock();
+    let mut clock = file.record().clock();
+    let driven = given.map(|path| ReadInputs::of(file, path, options)).transpose()?;
+    let extent_s = driven.as_ref().and_then(ReadInputs::extent_s);
+    // Stamps of another epoch, as those of logs are: the simulation starts with the first of them.
+    if let Some((first_s, last_s)) = extent_s
+        && (first_s > clock[clock.len() - 1] || last_s < clock[0])
+    {
+        clock.iter_mut().for_each(|t| *t += first_s);
+    }
     let mut values = vec![0.0; clock.len() * channels.len()];
     let first = StartValue::Word(First::First);
     for (name, _) in file.starts().filter(|(_, start)| start.value == first) {
@@ -49,28 +57,27 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
         let hint = format!("give one with `--inputs FILE`, or a `default` under [inputs.{name}]");
         return Err(Error::file(file.path(), message, hint).into());
     }
-    match given {
-        Some(path) => {
-            let mut driven = inputs::attach(file, path, recording, 0, options)?;
-            driven.notes.extend(goes_on(file, &driven.observation));
+    match (given, driven) {
+        (Some(path), Some(driven)) => {
+            let (first_s, end_s) =
+                (recording.observation.clock()[0], *recording.observation.clock().last().unwrap_or(&0.0));
+            let mut driven = driven.drive(path, recording, 0)?;
+            driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
             Ok(driven)
         }
-        None => inputs::defaults(file, recording),
+        _ => inputs::defaults(file, recording),
     }
 }
 
-/// That inputs go on after the last sample of `[record]`.
-fn goes_on(file: &SimulationFile, driven: &Observation) -> Option<Note> {
+/// That inputs go on after the last sample of `[record]`, both counted from its first one.
+fn goes_on(file: &SimulationFile, longest_s: f64, end_s: f64) -> Option<Note> {
     let record = file.record();
-    let end = *driven.clock().last()?;
-    let ends = driven.circumstances()?.inputs.iter().filter_map(|input| input.series().clock().last().copied());
-    let longest = ends.filter(|last| last.is_finite()).fold(end, f64::max);
-    if longest <= end + 1.5 / record.rate_hz {
+    if longest_s <= end_s + 1.5 / record.rate_hz {
         return None;
     }
-    let (last, end) = (with_decimals(longest, 2), with_decimals(end, 2));
+    let (last, end) = (with_decimals(longest_s, 2), with_decimals(end_s, 2));
     let text = format!("the inputs go on to {last} s, and [record] ends at {end} s: what comes later is not simulated");
-    let frames = (longest * record.rate_hz).floor() + 1.0;
+    let frames = (longest_s * record.rate_hz).floor() + 1.0;
     let remedy = format!("to simulate all of them: `--set record.frames={frames}`");
     Some(Note::new(findings::INPUT_LONG, text, remedy))
 }
