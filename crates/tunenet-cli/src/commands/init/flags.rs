@@ -57,11 +57,20 @@ pub fn flags(
     };
     // What is said of a joint holds for its command where that has its name.
     let of_command = |columns: &JointColumns| {
-        let own = columns.command != format!("{ACTION}{}", columns.state);
+        let drive =
+            motors.iter().find(|motor| motor.joint == columns.joint).map_or(Drive::Position, |motor| motor.drive);
+        let own = columns.command != format!("{ACTION}{}", columns.state) || drive != Drive::Position;
         let column = found.columns.iter().find(|column| own && column.name == columns.command)?;
-        let servo = motors.iter().all(|motor| motor.joint != columns.joint || motor.drive == Drive::Position);
-        let same = if servo { unit(columns).split_once('=')?.1.to_owned() } else { "UNIT".into() };
-        column.unit.is_none().then(|| format!("{}={same}", columns.command))
+        let slides = joints.iter().any(|joint| joint.name == columns.joint && joint.kind == JointKind::Prismatic);
+        let said = match (drive, slides) {
+            (Drive::Position, _) => unit(columns).split_once('=')?.1.to_owned(),
+            (Drive::Velocity, false) => "rad_s".into(),
+            (Drive::Velocity, true) => "m_s".into(),
+            (Drive::Torque, false) => "nm".into(),
+            (Drive::Torque, true) => "n".into(),
+            (Drive::Voltage, _) => "v".into(),
+        };
+        column.unit.is_none().then(|| format!("{}={said}", columns.command))
     };
     let units: Vec<String> =
         columns.iter().filter(open).map(unit).chain(columns.iter().filter_map(of_command)).collect();
