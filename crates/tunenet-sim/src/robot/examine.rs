@@ -7,7 +7,7 @@ use tunenet_core::observation::{
     Check, Circumstances, Note, Observation, State, lattice_step, noise_sd, with_decimals,
 };
 use tunenet_core::simulator::{Preparation, Prepared, Rejected};
-use tunenet_core::statistics::{dot, median};
+use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
 use super::trajectory::Quantity;
@@ -213,13 +213,10 @@ fn position(
 ) -> Option<(Note, bool)> {
     let values: Vec<f64> = seen.column(channel).collect();
     let name = seen.channels()[channel].header();
-    let range = |values: &[f64]| {
-        values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min)
-    };
-    let moved = range(&values);
+    let moved = range(values.iter().copied());
     let command = layout.wiring[reading.joint].command.and_then(|place| known.inputs.get(place))?;
     let goals: Vec<f64> = seen.clock().iter().map(|t| command.at(0, *t)).collect();
-    let commanded = range(&goals);
+    let commanded = range(goals.iter().copied());
     if moved <= STILL_STEPS * encoder_step(&values) || moved == 0.0 {
         let text = format!("`{name}` never moves");
         let remedy = "leave the joint out of [joints], or record it while it moves";

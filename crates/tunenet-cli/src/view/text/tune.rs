@@ -86,8 +86,8 @@ pub fn printout(outcome: &Outcome, names: &[String]) -> Printout {
     match outcome.parameters.len() {
         0 | 1 => shown.verdict(&sentence(outcome)),
         several => {
-            let known = outcome.parameters.iter().filter(|p| p.identified).count();
-            let of = if known == several { String::new() } else { format!("{known} of ") };
+            let unknown = outcome.parameters.iter().filter(|p| !p.identified).count();
+            let of = if unknown == 0 { String::new() } else { format!("{unknown} of ") };
             shown.verdict(&titled(outcome, &format!("{of}{several} parameters")));
             shown.table(&parameters(outcome));
             shown.line("");
