@@ -222,7 +222,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
     use crate::observation::Circumstances;
 
     use crate::diagnose::strategy::explain;
@@ -242,6 +243,24 @@ mod tests {
             let other = Circumstances { setup: 1, ..Circumstances::default() };
             evidence.training[1].prepared.circumstances = Some(Arc::new(other));
             assert!(!is_one_setup_of_several_channels(&evidence), "another setup");
+        });
+    }
+
+    /// Only where no simulation follows the recordings down to their noise: elsewhere the criterion has decided.
+    #[test]
+    fn an_effect_whose_interval_includes_its_absence_is_doubted() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let mut evidence = Evidence::clone(&context.evidence);
+            evidence.training.iter_mut().for_each(|one| one.prepared.discrepancy = true);
+            let real = context.with_evidence(evidence);
+            let base = fit_without_effects(context).unwrap();
+            let both = [entry(context, "viscous_friction"), entry(context, "rest_angle")];
+            let of = |context: &Context, effects: &[usize]| {
+                including_absence(context, &context.fit_near(effects, &base).unwrap(), false).unwrap()
+            };
+            assert_eq!(of(&real, &both).as_deref(), Some("rest_angle"));
+            assert_eq!(of(&real, &both[..1]), None);
+            assert_eq!(of(context, &both), None);
         });
     }
 
