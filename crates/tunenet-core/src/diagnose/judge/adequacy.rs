@@ -28,6 +28,9 @@ const HIGH_HZ: f64 = 14.0;
 
 /// A lag-1 correlation above this is more than sensors and trackers are known for at the rates that people record at.
 const LONG_LAG1: f64 = 0.7;
+/// Below a step of the sensor, an effect has to leave at most this share of the residual (root mean square) of held-out recordings: errors
+/// of the integration that made them have a shape too.
+pub(in crate::diagnose) const RESOLVED: f64 = 0.5;
 /// What rounding leaves of a number, as a share of the largest: of clocks in whole nanoseconds, with room for speeds.
 const ROUNDING: f64 = 1e-8;
 
@@ -86,7 +89,7 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
 
 /// Whether what is left of every channel is less than a step of its sensor (root mean square), where real recordings never follow the
 /// simulation down to their noise: such a rest has a shape, and is no evidence of an effect.
-fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
+pub(in crate::diagnose) fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
     if !context.evidence.discrepancy() {
         return false;
     }

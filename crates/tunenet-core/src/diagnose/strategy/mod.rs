@@ -18,7 +18,7 @@ use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_no
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, add_exact_twins};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
-use crate::diagnose::judge::adequacy::{ResidualDiagnostics, residual_diagnostics};
+use crate::diagnose::judge::adequacy::{RESOLVED, ResidualDiagnostics, residual_diagnostics};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
@@ -234,9 +234,6 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         return Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? });
     }
 }
-
-/// Below a step of the sensor, an effect has to leave less than this share of held-out recordings: errors of integration have a shape too.
-const RESOLVED: f64 = 0.9;
 
 /// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise.
 fn borne_out(attempt: Attempt) -> Result<Attempt> {
