@@ -97,7 +97,7 @@ for what in "${@:-paper}"; do
             paste law docs/evidence.md <(body results/law/goals.md)
             ;;
         joints)
-            measure joints bench joints --seed "$seed"
+            measure joints bench joints --sets 6 --seed "$seed"
             paste joints docs/evidence.md <(body results/joints/goals.md)
             ;;
         intervals)
