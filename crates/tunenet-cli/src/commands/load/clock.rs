@@ -23,7 +23,7 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
     if let Some((first_s, last_s)) = extent_s
         && (first_s > clock[clock.len() - 1] || last_s < clock[0])
     {
-        clock.iter_mut().for_each(|t| *t += first_s);
+        clock = clock.into_iter().map(|t| t + first_s).collect();
     }
     let mut values = vec![0.0; clock.len() * channels.len()];
     let first = StartValue::Word(First::First);
