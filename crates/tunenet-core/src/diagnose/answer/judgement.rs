@@ -246,7 +246,7 @@ mod tests {
         });
     }
 
-    /// Only where no simulation follows the recordings down to their noise: elsewhere the criterion has decided.
+    /// Only where no simulation follows the recordings down to their noise: otherwise the criterion has decided.
     #[test]
     fn an_effect_whose_interval_includes_its_absence_is_doubted() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {

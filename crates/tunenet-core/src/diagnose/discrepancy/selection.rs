@@ -9,7 +9,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, scoring};
-use crate::diagnose::judge::adequacy::{RESOLVED, is_unresolved};
+use crate::diagnose::judge::adequacy::{RESOLVED, is_below_steps};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::{Progress, Test};
 use crate::estimate::huber::huber_cost;
@@ -135,7 +135,7 @@ fn held_out_cost(held_out: &HeldOut) -> f64 {
 /// The best candidate of a step that the criterion and held-out recordings admit, with the test that these make.
 fn admitted<'a>(context: &Context<'a>, step: &DiscrepancyStep<'a>) -> Result<Option<(Hypothesis<'a>, Option<Test>)>> {
     let least = FIRM * context.settings.margin;
-    let threshold = if is_unresolved(context, &step.model) { RESOLVED * RESOLVED } else { ADMITTED };
+    let threshold = if is_below_steps(context, &step.model) { RESOLVED * RESOLVED } else { ADMITTED };
     let fitted = step.candidates.iter().filter(|candidate| candidate.excluded.is_none() && candidate.gain > least);
     let mut before = None;
     for candidate in fitted {

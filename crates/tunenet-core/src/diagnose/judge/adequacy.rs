@@ -11,7 +11,7 @@ use crate::diagnose::judge::recording_scores::recording_scores;
 use crate::estimate::cluster_robust::Score;
 use crate::estimate::{Adequacy, is_below_step};
 use crate::observation::Kind;
-use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
+use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, root_mean_square, upper_chi_squared, upper_f};
 
 /// A test fails only below this probability ...
 const PROBABLE: f64 = 1e-3;
@@ -40,8 +40,6 @@ pub(in crate::diagnose) struct ResidualDiagnostics {
     pub tests: Vec<Test>,
     /// Whether the recordings differ among themselves by more than their noise.
     pub heterogeneous: bool,
-    /// Whether what is left is less than a step of every sensor, so that all tests pass whatever its shape.
-    pub unresolved: bool,
 }
 
 impl ResidualDiagnostics {
@@ -68,14 +66,13 @@ pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypot
     let mut heterogeneous = agreement.as_ref().is_some_and(|test| !test.passed);
     tests.extend(agreement);
     tests.extend(residual_size(context, model));
-    let unresolved = is_unresolved(context, model);
-    if unresolved || is_rounding(context, model) {
+    if is_rounding(context, model) || is_unresolved(context, model) {
         for test in &mut tests {
             test.passed = true;
         }
         heterogeneous = false;
     }
-    ResidualDiagnostics { tests, heterogeneous, unresolved }
+    ResidualDiagnostics { tests, heterogeneous }
 }
 
 /// Whether nothing is left but what counting in binary leaves: that has a shape of its own, and nothing is missing in it.
@@ -89,7 +86,7 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
 
 /// Whether what is left of every channel is less than a step of its sensor (root mean square), where real recordings never follow the
 /// simulation down to their noise: such a rest has a shape, and is no evidence of an effect.
-pub(in crate::diagnose) fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
+fn is_unresolved(context: &Context<'_>, model: &Hypothesis) -> bool {
     if !context.evidence.discrepancy() {
         return false;
     }
@@ -101,6 +98,21 @@ pub(in crate::diagnose) fn is_unresolved(context: &Context<'_>, model: &Hypothes
             let rmse = (squares.sum::<f64>() / (residual.len() / width).max(1) as f64).sqrt();
             is_below_step(&recording.prepared.seen, channel, rmse)
         })
+    })
+}
+
+/// Whether what is left of every channel over all recordings together is less than a step of its sensor: effects are then not named for less
+/// than [`RESOLVED`].
+pub(in crate::diagnose) fn is_below_steps(context: &Context, model: &Hypothesis) -> bool {
+    if !context.evidence.discrepancy() {
+        return false;
+    }
+    let Ok(residuals) = context.joint(&model.structure).plain_residuals(&model.fit.point) else { return false };
+    let width = context.recordings().first().map_or(0, PreparedRecording::width);
+    (0..width).all(|channel| {
+        let values = residuals.iter().flat_map(|residual| residual.iter().skip(channel).step_by(width).copied());
+        let rmse = root_mean_square(values);
+        context.recordings().iter().all(|recording| is_below_step(&recording.prepared.seen, channel, rmse))
     })
 }
 

@@ -18,7 +18,7 @@ use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_no
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, add_exact_twins};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
-use crate::diagnose::judge::adequacy::{RESOLVED, ResidualDiagnostics, residual_diagnostics};
+use crate::diagnose::judge::adequacy::{RESOLVED, ResidualDiagnostics, is_below_steps, residual_diagnostics};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
@@ -235,14 +235,16 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     }
 }
 
-/// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise.
+/// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise, or hardly
+/// better and it is less than a step of the sensor.
 fn borne_out(attempt: Attempt) -> Result<Attempt> {
     let (Some(best), Some(before)) = (&attempt.found.best, &attempt.before) else { return Ok(attempt) };
     let after = validate(&attempt.context, best)?;
-    let base = residual_diagnostics(&attempt.context, &attempt.found.base);
-    let least = if base.unresolved { RESOLVED } else { 1.0 };
+    let base = &attempt.found.base;
+    let below = is_below_steps(&attempt.context, base);
+    let least = if below { RESOLVED } else { 1.0 };
     let worse = after.is_some_and(|after| after.rmse >= least * before.rmse);
-    if !worse || !base.passed() {
+    if !worse || !(below || residual_diagnostics(&attempt.context, base).passed()) {
         return Ok(attempt);
     }
     let found = Selection { best: None, selected: Vec::new(), ..attempt.found };
