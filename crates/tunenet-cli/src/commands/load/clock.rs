@@ -9,7 +9,8 @@ use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
-use super::inputs::{self, ReadInputs};
+use super::inputs;
+use super::read_inputs::ReadInputs;
 
 /// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
 pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions) -> Result<Recording> {

@@ -7,6 +7,7 @@ mod input_files;
 pub mod inputs;
 mod joints;
 mod options;
+mod read_inputs;
 mod recording;
 mod scene;
 mod setups;

@@ -12,6 +12,7 @@ use tunenet_sim::{SimulationFile, declared};
 use super::inputs;
 use super::joints::log;
 use super::options::reading as read_options;
+use super::read_inputs::attach;
 use super::thinned::{MOST_SAMPLES, at_most};
 use super::video::positions;
 use crate::args::{Numbers, Reading};
@@ -81,5 +82,5 @@ pub fn of_channels(
     let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading)? };
     let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
-    at_most(most, inputs::attach(file, path, recording, setup, &alone)?)
+    at_most(most, attach(file, path, recording, setup, &alone)?)
 }

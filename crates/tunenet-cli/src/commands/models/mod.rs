@@ -1,6 +1,7 @@
 //! Models with tuned numbers: a copy of the user's own file, BAM's parameters, a configuration for Isaac Lab.
 
 mod robot;
+mod sidecar;
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_core::text::visible;
 use tunenet_formats::shown_path;
 use tunenet_models::edit::Left;
-use tunenet_models::export::{BamServo, Whole, bam, is_sidecar, isaac_lab, sidecar};
+use tunenet_models::export::{BamServo, Whole, bam, isaac_lab};
 use tunenet_models::{Change, Quantity};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::model_file::edited;
@@ -15,7 +15,7 @@ use tunenet_sim::observed_robot::model_path;
 use tunenet_sim::robot::Drive;
 use tunenet_sim::robot_changes::{Intervals, RobotChanges, robot_changes};
 
-use super::put;
+use super::{put, sidecar};
 use crate::args::Models;
 use crate::files::names::in_one_folder;
 use crate::view::text::stage;
@@ -60,22 +60,8 @@ fn write_model(out: &Path, options: &Models, file: &SimulationFile, found: &Robo
     put(out, &text)?;
     stage("model", &shown_path(out));
     let left: Vec<Left> = found.left.iter().chain(&done.left).cloned().collect();
-    let rest = sidecar(out, &left, &found.whole);
-    match options.sidecar() {
-        Some(path) if !rest.is_empty() => {
-            put(&path, &rest)?;
-            stage(
-                "effects",
-                &format!("{}: the model cannot express {}", shown_path(&path), listed(&left, &found.whole)),
-            );
-        }
-        // That of another run would say of this model what does not hold.
-        Some(path) if std::fs::read_to_string(&path).is_ok_and(|text| is_sidecar(&text)) => {
-            std::fs::remove_file(&path).with_context(|| format!("removing {}", shown_path(&path)))?;
-            stage("removed", &format!("{}: this model expresses everything", shown_path(&path)));
-        }
-        _ => {}
-    }
+    let rest = tunenet_models::export::sidecar(out, &left, &found.whole);
+    sidecar::write(options, &rest, &listed(&left, &found.whole))?;
     for note in &done.notes {
         stage("note", note);
     }
