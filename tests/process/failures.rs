@@ -164,7 +164,7 @@ fn hostile_text_stays_text_on_pages() {
     crate::common::refused(
         &folder,
         "inspect hostile.toml",
-        &["`process.channels`: expected names with their units", "`<script>_m`"],
+        &["`process.channels`: expected lower-case names with their units", "`<script>_m`"],
     );
     folder.write("hostile.toml", PENDULUM_SCENE.replace("unit = \"m\"", "unit = \"\\u001b[2J\""));
     crate::common::refused(&folder, "inspect hostile.toml", &["without control characters"]);
