@@ -202,6 +202,7 @@ impl RobotEffect {
 pub(crate) fn unit_of_slide(of_a_hinge: &str) -> &str {
     match of_a_hinge {
         "rad" => "m",
+        "rad/s" => "m/s",
         "s/rad" => "s/m",
         "N·m" => "N",
         "N·m/rad" => "N/m",
