@@ -181,10 +181,8 @@ fn including_absence(context: &Context, best: &Hypothesis, heterogeneous: bool) 
     }
     let intervals = Intervals::new(context, best, heterogeneous)?;
     let shown = |position: usize| {
-        let own = best.structure.shared.iter().enumerate().filter(|(_, shared)| !shared.shape);
-        let mut own = own.filter(|(_, shared)| shared.effect.is_some_and(|(effect, _)| effect == position));
-        own.any(|(column, shared)| {
-            let (absent, (low, high)) = (shared.absent.map_or(0.0, |(absent, _)| absent), intervals.of(column));
+        best.structure.switches(position).any(|(column, absent)| {
+            let (low, high) = intervals.of(column);
             absent < low || absent > high
         })
     };

@@ -66,8 +66,8 @@ pub(in crate::diagnose) fn search_gated<'a>(
 
 /// Whether a shared parameter ends at a bound other than 0, as in many a local minimum.
 fn at_bound(best: &Hypothesis) -> bool {
-    let pairs = best.structure.shared.iter().zip(&best.fit.point.parameters);
-    pairs.into_iter().any(|(shared, value)| {
+    let mut pairs = best.structure.shared.iter().zip(&best.fit.point.parameters);
+    pairs.any(|(shared, value)| {
         let (low, high) = (shared.parameter.min, shared.parameter.max);
         let near = |bound: f64| bound != 0.0 && (value - bound).abs() <= NEAR_BOUND * (high - low);
         near(low) || near(high)

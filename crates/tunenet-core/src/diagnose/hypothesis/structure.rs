@@ -175,6 +175,12 @@ impl<'a> Structure<'a> {
         self.columns[object].iter().map(|(_, column)| *column).collect()
     }
 
+    /// Columns of an effect's coefficients that can switch it off, each with the value that means absence; not those that only shape it.
+    pub fn switches(&self, position: usize) -> impl Iterator<Item = (usize, f64)> {
+        let own = self.of_effect(position).into_iter().filter(|&column| !self.shared[column].shape);
+        own.map(|column| (column, self.shared[column].absent.map_or(0.0, |(absent, _)| absent)))
+    }
+
     /// The columns of the shared parameters that belong to the structure's effect at `position`.
     pub fn of_effect(&self, position: usize) -> Vec<usize> {
         let own = |&column: &usize| self.shared[column].effect.is_some_and(|(p, _)| p == position);

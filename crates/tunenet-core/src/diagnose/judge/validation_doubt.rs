@@ -254,10 +254,8 @@ fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &H
 fn undetermined(context: &Context, best: &Hypothesis) -> Option<Text> {
     let variance = context.variance(best);
     let shown = |position: usize| {
-        let own = best.structure.shared.iter().enumerate().filter(|(_, shared)| !shared.shape);
-        let mut own = own.filter(|(_, shared)| shared.effect.is_some_and(|(effect, _)| effect == position));
-        own.any(|(column, shared)| {
-            let from_absence = best.fit.point.parameters[column] - shared.absent.map_or(0.0, |(absent, _)| absent);
+        best.structure.switches(position).any(|(column, absent)| {
+            let from_absence = best.fit.point.parameters[column] - absent;
             from_absence.abs() > NORMAL_95 * (variance * best.fit.covariance[(column, column)].max(0.0)).sqrt()
         })
     };
