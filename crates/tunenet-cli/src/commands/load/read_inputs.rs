@@ -43,8 +43,8 @@ impl ReadInputs {
     /// # Errors
     /// Where an input does not overlap the recording.
     pub fn drive(self, path: &Path, recording: Recording, setup: usize) -> Result<Recording> {
-        let found = self.0.iter().map(|(source, read)| (source, read.clone())).collect();
-        Ok(under_inputs(path, recording, setup, found)?)
+        let (sources, found): (Vec<_>, Vec<_>) = self.0.into_iter().unzip();
+        Ok(under_inputs(path, recording, setup, sources.iter().zip(found).collect())?)
     }
 }
 
