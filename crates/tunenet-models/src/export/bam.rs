@@ -109,16 +109,13 @@ mod tests {
     use super::*;
     use crate::Motion;
 
+    fn change(quantity: Quantity, value: f64) -> Change {
+        Change { joint: "elbow".into(), motion: Motion::Revolute, quantity, value, interval: None }
+    }
+
     /// kt and R of a motor give back its stall torque and its braking.
     #[test]
     fn the_motor_is_the_same() {
-        let change = |quantity, value| Change {
-            joint: "elbow".into(),
-            motion: Motion::Revolute,
-            quantity,
-            value,
-            interval: None,
-        };
         let changes = [
             change(Quantity::StallTorque, 7.5),
             change(Quantity::BackEmf, 1.26),
@@ -142,13 +139,6 @@ mod tests {
     fn a_motor_without_torque_has_no_constants() {
         let servo = BamServo { actuator: "mx64".into(), supply_v: 12.0, firmware_gain: None, error_gain: None };
         for stall in [0.0, 1e-300] {
-            let change = |quantity, value| Change {
-                joint: "elbow".into(),
-                motion: Motion::Revolute,
-                quantity,
-                value,
-                interval: None,
-            };
             let changes = [change(Quantity::StallTorque, stall), change(Quantity::BackEmf, 1.0)];
             let Bam { json, left } = bam("elbow", &changes, &servo);
             assert_eq!((json.get("kt"), json.get("R"), left.len()), (None, None, 2), "{json}");
