@@ -23,6 +23,15 @@ impl Columns {
     pub fn count(&self) -> usize {
         self.shared.len() + self.nuisances.len()
     }
+
+    /// These, and those by the shared parameters of `more`.
+    pub fn with(&self, more: &Self) -> Self {
+        Self {
+            indices: [self.indices.as_slice(), &more.indices].concat(),
+            shared: self.shared.iter().chain(&more.shared).cloned().collect(),
+            nuisances: self.nuisances.clone(),
+        }
+    }
 }
 
 /// Derivatives at `point`, where the residuals are `residuals`.

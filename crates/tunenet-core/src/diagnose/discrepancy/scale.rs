@@ -5,7 +5,7 @@ use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, spread};
-use crate::statistics::mad_sd;
+use crate::statistics::{mad_sd, root_mean_square};
 
 /// A base that leaves this many times the noise does not come near it by any one effect: blind sets whose effect is 30 times the
 /// noise leave 20 once the base is tuned, and real joints more than 100.
@@ -58,6 +58,17 @@ pub(super) fn with_discrepancy(context: &Context, model: &Hypothesis) -> Result<
     let least = evidence.training.iter().map(worth).sum::<f64>() / evidence.count().max(1) as f64;
     let effective_fraction = ((1.0 - rho) / (1.0 + rho)).max(least.min(1.0));
     Ok(Evidence { noise: NoiseModel::Inflated { effective_fraction }, ..evidence.prewhitened(0.0) })
+}
+
+/// The root mean square of what `model` leaves of the recordings that are fitted, in units of their measured noise, where `context` has the
+/// discrepancy as noise.
+pub(super) fn left_of_noise(context: &Context, model: &Hypothesis) -> f64 {
+    let each = |(recording, residuals): (&PreparedRecording, &Vec<f64>)| -> Vec<f64> {
+        let ratio = |i: usize| recording.noise[i % recording.width()] / recording.measured_noise[i % recording.width()];
+        let counted = (0..residuals.len()).filter(|&i| recording.keep[i]);
+        counted.map(|i| residuals[i] * ratio(i)).collect()
+    };
+    root_mean_square(context.recordings().iter().zip(&model.fit.residuals).flat_map(each))
 }
 
 /// The context in which what `model` leaves is the noise, and the model fitted there from its own values.

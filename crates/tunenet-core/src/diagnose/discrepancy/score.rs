@@ -1,5 +1,7 @@
 //! Score test of candidates (Rao 1948) with steps of visible size: limits and delays have no slope where they are absent.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::diagnose::hypothesis::candidate_scores::LEFT_OVER;
@@ -7,6 +9,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::hypothesis::wording::done_already;
+use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal};
 use crate::statistics::dot;
 
@@ -17,12 +20,20 @@ const SLIGHT: f64 = 0.01;
 /// Of an effect that parameters already hold, they do all but this share (of squares) of the slope. Larger steps are bent, and leave more.
 const HELD: f64 = 1e-4;
 
+/// Where candidates are scored.
+pub(super) struct Linearised {
+    /// The parameters of the hypothesis.
+    pub parameters: Vec<f64>,
+    /// The derivatives there, of each recording.
+    pub columns: Vec<Columns>,
+}
+
 /// What a candidate promises in addition to a hypothesis.
 pub(super) struct Scored {
     pub entry: usize,
-    /// The parameters of the hypothesis at which it was scored.
-    pub at: Vec<f64>,
-    /// The values of its coefficients at which it promises most.
+    /// Where it was scored.
+    pub at: Arc<Linearised>,
+    /// The values of its coefficients at which it promises most; empty where none promises anything.
     pub start: Vec<f64>,
     /// The sum of squares that the linear prediction leaves.
     pub left: f64,
@@ -33,17 +44,26 @@ pub(super) struct Scored {
     pub span: Vec<Vec<f64>>,
 }
 
+impl Scored {
+    /// Whether a fit can begin where it was scored.
+    pub fn has_start(&self) -> bool {
+        self.excluded.is_none() && !self.start.is_empty()
+    }
+}
+
 /// Every candidate in addition to `model`, most promising first.
 pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Scored> {
     let (joint, residuals) = (context.joint(&model.structure), &model.fit.residuals);
-    let base = joint.columns(&model.fit.point, residuals, Which::ALL);
+    let columns = joint.columns(&model.fit.point, residuals, Which::ALL);
     let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
-    let projector = Projector::new(&base, &lengths, model.structure.shared.len());
+    let projector = Projector::new(&columns, &lengths, model.structure.shared.len());
+    let at = Arc::new(Linearised { parameters: model.fit.point.parameters.clone(), columns });
     let mut left = residuals.concat();
     projector.project(&mut left);
     let open = (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].is_random_effect());
     let open: Vec<usize> = open.collect();
-    let mut scored: Vec<Scored> = open.par_iter().map(|&entry| one(context, model, entry, &projector, &left)).collect();
+    let mut scored: Vec<Scored> =
+        open.par_iter().map(|&entry| one(context, (model, &at), entry, &projector, &left)).collect();
     scored.sort_by(|a, b| b.predicted.total_cmp(&a.predicted).then(a.entry.cmp(&b.entry)));
     scored
 }
@@ -82,10 +102,16 @@ fn step_to((absent, step): (f64, f64), size: f64, (low, high): (f64, f64)) -> Op
     Some(smaller.midpoint(value.clamp(low, high)))
 }
 
-fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projector, left: &[f64]) -> Scored {
+fn one(
+    context: &Context,
+    (model, at): (&Hypothesis, &Arc<Linearised>),
+    entry: usize,
+    projector: &Projector,
+    left: &[f64],
+) -> Scored {
     let none = |excluded| Scored {
         entry,
-        at: Vec::new(),
+        at: Arc::clone(at),
         start: Vec::new(),
         left: f64::INFINITY,
         predicted: f64::NEG_INFINITY,
@@ -151,8 +177,7 @@ fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projecto
         let rest = (before - explained).max(1e-3 * before);
         let predicted = context.criterion(before, rest, coefficients);
         if towards && predicted > best.predicted {
-            let at = model.fit.point.parameters.clone();
-            best = Scored { entry, at, start, left: rest, predicted, excluded: None, span };
+            best = Scored { entry, at: Arc::clone(at), start, left: rest, predicted, excluded: None, span };
         }
     }
     if best.excluded.is_some() {

@@ -3,17 +3,20 @@
 
 use rayon::prelude::*;
 
-use super::scale::{BRIEF, FINISH};
+use super::scale::{BRIEF, FINISH, left_of_noise};
 use super::score::{Scored, score};
 use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::Point;
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
+use crate::diagnose::hypothesis::structure::Structure;
 
 /// Candidates that are fitted, most promising first.
 const FITTED: usize = 7;
 /// The best of them that are fitted to the end, and from which the hypothesis is fitted again.
 const FINISHED: usize = 2;
+/// What is left is large where its root mean square is this many times the noise of the recordings.
+const LARGE: f64 = 3.0;
 
 /// A hypothesis, and every candidate in addition to it, best first.
 pub(super) struct DiscrepancyStep<'a> {
@@ -51,13 +54,15 @@ pub(super) fn finish<'a>(context: &Context<'a>, step: DiscrepancyStep<'a>) -> Di
 pub(super) fn brief_step<'a>(context: &Context<'a>, model: Hypothesis<'a>, most: usize) -> DiscrepancyStep<'a> {
     let mut scored = score(context, &model);
     let base = model.structure.effects.is_empty();
-    if base {
+    let large = left_of_noise(context, &model) > LARGE;
+    if base && large {
         score_as_given(context, &model, &mut scored);
     }
     // Without any effect a linear prediction may be worth nothing, so that the first in rank are fitted however little they promise.
-    let promising = scored.iter().filter(|one| one.excluded.is_none() && (base || one.predicted > 0.0)).take(most);
+    let promising = scored.iter().filter(|one| one.has_start() && (base || one.predicted > 0.0)).take(most);
     let promising: Vec<&Scored> = promising.collect();
-    let fitted: Vec<Option<Hypothesis>> = promising.par_iter().map(|one| fit(context, &model, one)).collect();
+    let brief = |one: &&Scored| if large { fit_far(context, &model, one) } else { fit_near(context, &model, one) };
+    let fitted: Vec<Option<Hypothesis>> = promising.par_iter().map(brief).collect();
     let mut candidates: Vec<CandidateFit> = scored.iter().map(unfitted).collect();
     for (one, fitted) in promising.iter().zip(fitted) {
         if let Some(candidate) = candidates.iter_mut().find(|candidate| candidate.entry == one.entry) {
@@ -79,7 +84,7 @@ fn score_as_given<'a>(context: &Context<'a>, model: &Hypothesis<'a>, scored: &mu
     for mut one in score(context, &Hypothesis { structure, fit }) {
         one.predicted = context.criterion(before, one.left, one.start.len() as f64);
         let known = scored.iter_mut().find(|known| known.entry == one.entry);
-        if let Some(known) = known.filter(|known| one.excluded.is_none() && one.predicted > known.predicted) {
+        if let Some(known) = known.filter(|known| one.has_start() && one.predicted > known.predicted) {
             *known = one;
         }
     }
@@ -95,21 +100,37 @@ fn unfitted<'a>(one: &Scored) -> CandidateFit<'a> {
     candidate
 }
 
-/// The candidate fitted briefly from where it was scored, and without other effects from the values of the files as well.
-fn fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
-    let effects = [model.structure.effects.as_slice(), &[one.entry]].concat();
+/// The candidate fitted briefly from where it was scored, by the derivatives of the hypothesis there: little is left, so that the step to
+/// the start changes them little.
+fn fit_near<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
+    let (structure, start) = start(context, model, (one, &one.at.parameters))?;
     let known = model.structure.shared.len();
+    let fit = context.joint(&structure).fit_extended(start, (&one.at.columns, known), BRIEF).ok()?;
+    Some(Hypothesis { structure, fit })
+}
+
+/// The candidate fitted briefly from where it was scored, and without other effects from the values of the files as well.
+fn fit_far<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
     let given: Vec<f64> = model.structure.shared.iter().map(|shared| shared.parameter.value).collect();
-    let from = std::iter::once(&one.at).chain(model.structure.effects.is_empty().then_some(&given));
-    let fitted = from.filter_map(|at| {
-        let structure = context.structure(&effects).ok()?;
-        let mut parameters = structure.carry(&model.structure, at);
-        parameters[known..].copy_from_slice(&one.start);
-        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+    let also = Some(&given).filter(|given| model.structure.effects.is_empty() && **given != one.at.parameters);
+    let fitted = std::iter::once(&one.at.parameters).chain(also).filter_map(|at| {
+        let (structure, start) = start(context, model, (one, at))?;
         let fit = context.joint(&structure).fit(start, BRIEF).ok()?;
         Some(Hypothesis { structure, fit })
     });
     fitted.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
+}
+
+/// The structure of a candidate in addition to `model`, and where its fit begins: at these values of the parameters of the model.
+fn start<'a>(
+    context: &Context<'a>,
+    model: &Hypothesis<'a>,
+    (one, at): (&Scored, &[f64]),
+) -> Option<(Structure<'a>, Point)> {
+    let structure = context.structure(&[model.structure.effects.as_slice(), &[one.entry]].concat()).ok()?;
+    let mut parameters = structure.carry(&model.structure, at);
+    parameters[model.structure.shared.len()..].copy_from_slice(&one.start);
+    Some((structure, Point { parameters, nuisances: model.fit.point.nuisances.clone() }))
 }
 
 /// The hypothesis `model`, fitted from the values of a candidate in addition to it, without the candidate's own effect.

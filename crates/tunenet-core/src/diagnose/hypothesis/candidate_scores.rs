@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Effort, Joint, Point, Which};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
 use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
@@ -299,13 +299,14 @@ impl<'a> Extension<'_, 'a> {
         let known = self.model.structure.shared.len();
         parameters[known..].copy_from_slice(&self.scored.start);
         let point = Point { parameters, nuisances: self.model.fit.point.nuisances.clone() };
-        let columns = self.base.iter().zip(&self.scored.columns).map(|(base, new)| Columns {
-            indices: [base.indices.as_slice(), &new.indices].concat(),
-            shared: base.shared.iter().chain(&new.shared).cloned().collect(),
-            nuisances: base.nuisances.clone(),
-        });
-        let first: Vec<Columns> = columns.collect();
-        let fit = context.joint(&structure).fit_from(point, self.model.fit.residuals.clone(), effort, Some(&first))?;
+        let first: Vec<Columns> =
+            self.base.iter().zip(&self.scored.columns).map(|(base, new)| base.with(new)).collect();
+        let fit = context.joint(&structure).fit_from(
+            point,
+            self.model.fit.residuals.clone(),
+            effort,
+            Some(Known::measured(&first)),
+        )?;
         Ok(Hypothesis { structure, fit })
     }
 }

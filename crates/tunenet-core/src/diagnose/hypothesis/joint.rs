@@ -56,6 +56,27 @@ pub(in crate::diagnose) struct Effort {
     pub horizon: f64,
 }
 
+/// Derivatives that are known before a fit.
+#[derive(Clone, Copy)]
+pub(in crate::diagnose) struct Known<'c> {
+    /// Of each recording.
+    columns: &'c [Columns],
+    /// Whether they were measured at the start, instead of at a point not far from it.
+    at_start: bool,
+}
+
+impl<'c> Known<'c> {
+    /// Those at the start.
+    pub fn measured(columns: &'c [Columns]) -> Self {
+        Self { columns, at_start: true }
+    }
+
+    /// Those not far from the start.
+    pub fn nearby(columns: &'c [Columns]) -> Self {
+        Self { columns, at_start: false }
+    }
+}
+
 /// Which derivatives.
 #[derive(Clone, Copy)]
 pub(in crate::diagnose) struct Which {
@@ -257,6 +278,18 @@ impl Joint<'_> {
         self.fit_from(start, residuals, effort, None)
     }
 
+    /// Fits from `start`, where derivatives by all but the shared parameters from the position `known` on are near to `columns`.
+    ///
+    /// # Errors
+    /// Where the simulator refuses the start.
+    pub fn fit_extended(&self, start: Point, (columns, known): (&[Columns], usize), effort: Effort) -> Result<Outcome> {
+        let residuals = self.residuals(&start, 1.0)?;
+        let which = Which { first: known, nuisances: false, ..Which::ALL };
+        let own = self.columns(&start, &residuals, which);
+        let first: Vec<Columns> = columns.iter().zip(&own).map(|(known, own)| known.with(own)).collect();
+        self.fit_from(start, residuals, effort, Some(Known::nearby(&first)))
+    }
+
     /// The outcome at `point`, without a step.
     pub fn evaluate(&self, point: Point) -> Result<Outcome> {
         let residuals = self.residuals(&point, 1.0)?;
@@ -290,7 +323,7 @@ impl Joint<'_> {
         }
     }
 
-    /// The same where the residuals at the start are known, and `first`, the derivatives there, may be.
+    /// The same where the residuals at the start are known, and derivatives may be.
     ///
     /// Objects that share no parameter are fitted each on its own: a step that one of them refuses holds up no other,
     /// and costs no rollout of it.
@@ -299,14 +332,15 @@ impl Joint<'_> {
         start: Point,
         mut residuals: Vec<Vec<f64>>,
         effort: Effort,
-        first: Option<&[Columns]>,
+        known: Option<Known>,
     ) -> Result<Outcome> {
         let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
-        let settings = Settings { steps, derivatives, tolerance, ends_measured, ..SETTINGS };
+        let first_measured = known.is_none_or(|known| known.at_start);
+        let settings = Settings { steps, derivatives, tolerance, ends_measured, first_measured, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {
             let residuals = part.recordings.iter().map(|&d| residuals[d].clone()).collect();
-            let first = first.map(|all| part.recordings.iter().map(|&d| all[d].clone()).collect());
+            let first = known.map(|known| part.recordings.iter().map(|&d| known.columns[d].clone()).collect());
             let portion = Portion { joint: self, part, which: Which { horizon: effort.horizon, ..Which::ALL } };
             minimise(&portion, start.clone(), residuals, first, &settings, &mut |_, _| {})
         };
