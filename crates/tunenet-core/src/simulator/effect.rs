@@ -173,7 +173,7 @@ pub struct Effect {
     /// named only if there is none.
     pub implausible: Option<Text>,
     /// What is wrong in the simulation, rather than missing from it, and looks the same: an effect that leaves more than noise is
-    /// then not named alone.
+    /// then not named alone, nor one of recordings in one setup that no simulation explains down to their noise.
     pub feigned_by: Option<Text>,
     /// Largest share of the forecast error without it that may remain with it: above, it is not named alone from few recordings,
     /// because causes that are no effect resemble it. 1 where none do.

@@ -164,14 +164,9 @@ pub(in crate::diagnose) fn root_mean_square(context: &Context, model: &Hypothesi
 }
 
 /// Whether recordings of several channels, which no simulation explains down to their noise, all have one setup. Effects that have a number
-/// for each channel then follow what is left of one of them, and nothing that varies shows whether they are what it is.
+/// for each channel then follow what is left of one of them.
 fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
-    let setup = |recording: &PreparedRecording| recording.prepared.circumstances.as_ref().map(|known| known.setup);
-    let first = evidence.training.first();
-    evidence.discrepancy()
-        && first.is_some_and(|first| {
-            first.width() > 1 && evidence.training.iter().all(|recording| setup(recording) == setup(first))
-        })
+    evidence.discrepancy_in_one_setup() && evidence.training[0].width() > 1
 }
 
 /// Of recordings that no simulation explains down to their noise: an effect whose intervals all include its absence.

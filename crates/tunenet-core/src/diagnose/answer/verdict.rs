@@ -85,7 +85,9 @@ pub(in crate::diagnose) fn decide(
         // One motion does not distinguish what is in the catalogue from what is not, so the next best is kept with the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue with it.
         let doubtful = match &validation {
-            Some(Doubt::Feigned(..)) => context.catalogue[selected.entry].of[0].feigned_by.is_some(),
+            Some(Doubt::Feigned(..) | Doubt::Imitated(..)) => {
+                context.catalogue[selected.entry].of[0].feigned_by.is_some()
+            }
             Some(_) => true,
             None => doubtful(context, selected, confirmed),
         };

@@ -87,6 +87,13 @@ impl Evidence {
         !self.training.is_empty() && self.training.iter().all(|recording| recording.prepared.discrepancy)
     }
 
+    /// Whether all that is fitted, which no simulation explains down to its noise, has one setup: nothing that varies shows whether effects
+    /// are what is left of it.
+    pub fn discrepancy_in_one_setup(&self) -> bool {
+        let setup = |recording: &PreparedRecording| recording.prepared.circumstances.as_ref().map(|known| known.setup);
+        self.discrepancy() && self.training.iter().all(|recording| setup(recording) == setup(&self.training[0]))
+    }
+
     /// Whether all that is fitted shows one motion, however often. A driven recording is many: its input visits what a start
     /// state would have to choose.
     pub fn shows_one_motion(&self) -> bool {

@@ -33,6 +33,11 @@ const CLEAR_MARGIN: f64 = 5.0;
 /// What wrong values of the simulation leave beyond the noise: at least this many times its root mean square.
 const FEIGNED: f64 = 1.15;
 
+/// Of things that are not expected to be explained down to their noise, all in one setup: what is left is more than integration in other
+/// steps or smoothed friction leaves, 1 to 2 times the noise in recordings of a servo by another simulator, while a wrong load or a gap on
+/// the side of the encoder leaves 5 to 9 times, and the nearest effect forecasts as much in that setup.
+const REMAINS: f64 = 3.0;
+
 /// So many effects or more are named together only by at least this many recordings for each.
 const MANY_EFFECTS: usize = 3;
 const RECORDINGS_FOR_EACH: usize = 2;
@@ -60,6 +65,8 @@ pub enum Doubt {
     Weak(Text),
     /// A wrong value of the simulation looks the same as this effect: which value.
     Feigned(Text, Text),
+    /// The same in recordings of one setup, however little the effect leaves.
+    Imitated(Text, Text),
     /// They leave more of held-out recordings than of those that were fitted.
     HeldOutUnexplained,
     /// Another effect explains far more, with a coefficient that is not physical.
@@ -94,6 +101,7 @@ impl Doubt {
                 | Self::ForecastWorse
                 | Self::ForecastHardlyBetter
                 | Self::Feigned(..)
+                | Self::Imitated(..)
                 | Self::HeldOutUnexplained
         )
     }
@@ -113,6 +121,7 @@ impl fmt::Display for Doubt {
             Self::Feigned(effect, values) => {
                 return write!(f, "more than noise remains, and {values} can look like {effect}");
             }
+            Self::Imitated(effect, values) => return write!(f, "in one setup, {values} can look like {effect}"),
             Self::HeldOutUnexplained => "held-out recordings leave more than those that were fitted",
             Self::ExcludedExplainsMore(other) => return write!(f, "{} explains more, but {other}", other.effect),
             Self::UnphysicalAlone(own) => return write!(f, "{own}, where it is fitted alone"),
@@ -147,24 +156,28 @@ pub(in crate::diagnose) fn validation_doubt(
     practical: bool,
 ) -> Option<Doubt> {
     let best = found.best.as_ref()?;
+    let feigned = |&entry: &usize| {
+        let effect = &context.catalogue[entry].of[0];
+        Some((effect.name.clone(), effect.feigned_by.clone()?))
+    };
+    let feigned = || best.structure.effects.iter().find_map(feigned);
     if context.evidence.driven() {
-        let feigned = |&entry: &usize| {
-            let effect = &context.catalogue[entry].of[0];
-            Some(Doubt::Feigned(effect.name.clone(), effect.feigned_by.clone()?))
-        };
-        return best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
+        return feigned().filter(|_| practical && fitted > FEIGNED * floor).map(|(name, by)| Doubt::Feigned(name, by));
     }
     if context.evidence.discrepancy() {
-        let doubt = other_setups((before, after), fitted);
+        let imitated = feigned().filter(|_| context.evidence.discrepancy_in_one_setup());
+        let doubt = imitated.map(|(name, by)| Doubt::Imitated(name, by));
+        let doubt = doubt.or_else(|| other_setups((before, after), fitted));
         let doubt = doubt.or_else(|| unconfirmed(context, found, before?, after?).filter(|_| !practical));
         let doubt = doubt.or_else(|| Some(Doubt::Weak(undetermined(context, best)?)));
         if doubt.is_some() {
             return doubt;
         }
     }
-    // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one.
+    // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one, if these are of other setups.
     if practical && context.evidence.discrepancy() {
-        return None;
+        let remains = context.evidence.discrepancy_in_one_setup() && fitted > REMAINS * floor;
+        return remains.then_some(Doubt::DiscrepancyRemains);
     }
     if found.selected.iter().all(|selected| is_required(context, selected.entry)) {
         return None;
@@ -280,11 +293,15 @@ fn forecast_doubt((before, after): (&HeldOut, &HeldOut), fitted: f64, share: f64
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::diagnose::evidence::Evidence;
     use crate::diagnose::hypothesis::forward_selection::search;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
+    use crate::observation::Circumstances;
 
     #[test]
     fn of_two_effects_one_that_may_be_absent_is_undetermined() {
@@ -316,6 +333,27 @@ mod tests {
             assert_eq!((imitated(0.4, 5), imitated(0.6, 4)), (None, None));
             let unexplained = HeldOut { rmse: 1.3 * NOISE_RAD, ..after };
             assert_eq!(doubt(&unexplained, false), Some(Doubt::HeldOutUnexplained));
+        });
+    }
+
+    /// What no simulation explains down to its noise may leave much, if the recordings differ in their setup.
+    #[test]
+    fn in_one_setup_a_large_remainder_is_a_doubt() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let mut evidence = Evidence::clone(&context.evidence);
+            evidence.training.iter_mut().for_each(|one| one.prepared.discrepancy = true);
+            let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
+            let before = validate(context, &found.base).unwrap().unwrap();
+            let after = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap();
+            let doubt = |evidence: Evidence, times: f64| {
+                let left = (times * NOISE_RAD, NOISE_RAD);
+                validation_doubt(&context.with_evidence(evidence), &found, (Some(&before), Some(&after)), left, true)
+            };
+            assert_eq!(doubt(evidence.clone(), 2.0), None);
+            assert_eq!(doubt(evidence.clone(), 4.0), Some(Doubt::DiscrepancyRemains));
+            let other = Circumstances { setup: 1, ..Circumstances::default() };
+            evidence.training[1].prepared.circumstances = Some(Arc::new(other));
+            assert_eq!(doubt(evidence, 4.0), None);
         });
     }
 

@@ -89,6 +89,10 @@ const OF_ARMS: [(&str, &[Number]); 7] = [
     ("base_tilt", &[]),
 ];
 
+/// What a wrong mass looks like in one setup: a tilt scales the weight of a joint by its cosine.
+const FEIGNED_BY_MASSES: [&str; 2] = ["base_tilt", "payload_com_offset"];
+const WRONG_MASSES: &str = "a wrong mass or centre of mass of a link or load";
+
 const OWN: [&RobotEffect; 19] = [
     &stribeck_friction::EFFECT,
     &joint_elasticity::EFFECT,
@@ -179,6 +183,7 @@ impl RobotEffect {
             repeated_by: if self.repeated_by.is_empty() { Vec::new() } else { joints.iter().map(repeating).collect() },
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
+            feigned_by: FEIGNED_BY_MASSES.contains(&self.name).then_some(WRONG_MASSES.into()),
             ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
         }
     }
@@ -243,6 +248,13 @@ mod tests {
             robot.arm.stribeck_rad_s = vec![1.0; 2];
             assert_eq!(robot, Imperfect::none(2), "{}", effect.name);
         }
+    }
+
+    #[test]
+    fn a_wrong_mass_looks_like_a_tilt() {
+        let feigned = |name: &str| RobotEffect::find(name).unwrap().entry(&["a"], |_| true).feigned_by;
+        assert_eq!(feigned("base_tilt").as_deref(), Some(WRONG_MASSES));
+        assert_eq!(feigned("dead_band"), None);
     }
 
     /// Twins are twins of each other, but for a gain below the stated one; where the stall torque is known there are none of the duty.
