@@ -1,6 +1,7 @@
 //! One joint whose motor and link are joined by a gap or a compliant gear: two masses with dry friction on the motor's side (Nordin and
-//! Gutman 2002, section 3) and a spring between them, by the implicit midpoint rule where its compliance is stated. The contacts of a
-//! gap in a stiff gear take the implicit Euler rule, which damps what oscillates faster than the step.
+//! Gutman 2002, section 3) and a spring between them, by the implicit midpoint rule where the step resolves its oscillation. A stiffer
+//! spring, as the contacts of a gap in a stiff gear, goes over to the implicit Euler rule, which damps what oscillates faster than the
+//! step: undamped, it would shake the motor loose from its dry friction.
 
 use super::numbers::JointNumbers;
 use super::one_joint::{Load, Step, outside};
@@ -13,6 +14,17 @@ const STIFF: f64 = 3000.0;
 /// The share of a step's change of the twist that acts in the step: half by the midpoint rule, all of it by the Euler rule.
 const MIDPOINT: f64 = 0.5;
 const EULER: f64 = 1.0;
+
+/// Squares of the spring's angular frequency times the step: up to the first the midpoint rule holds, from the second on the Euler rule.
+const RESOLVED: f64 = 1.0;
+const UNRESOLVED: f64 = 4.0;
+
+/// The share of the twist's change for a spring between these inertias.
+fn acting(stiffness: f64, (motor, link): (f64, f64), step_s: f64) -> f64 {
+    let square = stiffness * step_s * step_s * (motor.recip() + link.recip());
+    let beyond = ((square - RESOLVED) / (UNRESOLVED - RESOLVED)).clamp(0.0, 1.0);
+    MIDPOINT + (EULER - MIDPOINT) * beyond
+}
 
 /// Rolls out from position `q` and speed `w` of the link over the grid of `out`; the encoder is on the link.
 ///
@@ -29,8 +41,12 @@ pub(super) fn roll(
         return Err("backlash and elasticity need an armature and a link with inertia");
     }
     let dt = out.step_s;
-    let (stiffness, acting) =
-        if joint.compliance > 0.0 { (joint.compliance.recip(), MIDPOINT) } else { (STIFF, EULER) };
+    let (stiffness, acting) = if joint.compliance > 0.0 {
+        let stiffness = joint.compliance.recip();
+        (stiffness, acting(stiffness, (joint.armature, load.inertia), dt))
+    } else {
+        (STIFF, EULER)
+    };
     // The motor stands on the side that carries the weight at rest.
     let weight = outside(joint, load, q);
     let mut twist = if weight == 0.0 { 0.0 } else { -weight.signum() * 0.5 * joint.gap - weight / stiffness };
