@@ -67,7 +67,8 @@ fn tuned<'e>(
     Ok(tuned)
 }
 
-/// Writes the models that were asked for. They get every number that the recordings determine, even where others stay open.
+/// Writes the models that were asked for. They get all numbers as they were fitted, if the recordings determine any: those that are tied
+/// reproduce the recordings only together.
 fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()> {
     if !options.models.asked() {
         return Ok(());
@@ -79,10 +80,11 @@ fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()
     }
     if !open.is_empty() {
         let names: Vec<String> = open.iter().map(|p| format!("`{}`", p.name)).collect();
-        stage("note", &format!("models keep what the recordings do not determine: {}", names.join(", ")));
+        let text = "the recordings determine only combinations of these, which models hold as fitted";
+        stage("note", &format!("{text}: {}", names.join(", ")));
     }
     let intervals = known.iter().map(|p| (p.name.clone(), [p.interval95.0, p.interval95.1])).collect();
-    models::write(&options.models, &tuned(setups.common(), outcome, known)?, &intervals)
+    models::write(&options.models, &tuned(setups.common(), outcome, &outcome.parameters)?, &intervals)
 }
 
 /// Writes what was asked for besides the simulation file: intervals and models.
