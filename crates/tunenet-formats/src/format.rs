@@ -151,7 +151,11 @@ pub(crate) fn with_logs(path: &Path, what: &str, format: Format) -> Result<Forma
         return Ok(format);
     }
     let message = format!("expected CSV or MCAP, which this build reads, found {what}");
-    Err(Error::file(path, message, "build tunenet with the feature `logs`: `cargo build --release --features logs`"))
+    Err(Error::file(
+        path,
+        message,
+        "build tunenet with the feature `logs`: `cargo install --locked --path crates/tunenet-cli --no-default-features --features logs`",
+    ))
 }
 
 #[cfg(test)]

@@ -116,7 +116,11 @@ pub(crate) fn listing(place: &Place, _: &ReadOptions) -> Result<Episodes> {
 
 fn unread(path: &Path) -> Error {
     let message = "expected CSV or MCAP, which this build reads, found a data set of LeRobot";
-    Error::file(path, message, "build tunenet with the feature `logs`: `cargo build --release --features logs`")
+    Error::file(
+        path,
+        message,
+        "build tunenet with the feature `logs`: `cargo install --locked --path crates/tunenet-cli --no-default-features --features logs`",
+    )
 }
 
 /// That a folder is no recording, and what it lacks.
