@@ -91,8 +91,14 @@ finding_kinds! {
         "a joint never moves",
         "leave it out of `[joints]`, or record it while it moves";
     warning ROBOT_UNITS = "robot.units",
-        "commands and positions of a joint are in different units, such as degrees and radians; the recording is not used",
-        "name the column of commands with its unit, or convert it";
+        "commands and positions of a joint are in different units, such as degrees and radians, or positions span more than three times what the model's limits allow; the recording is not used",
+        "state the units as they were recorded, or correct the limits in the model";
+    warning ROBOT_STOP = "robot.stop",
+        "a joint stands at a limit of the model while its commands go beyond it: stops are not simulated",
+        "leave these parts out, or keep the commands within the limits";
+    warning ROBOT_RARE = "robot.rare",
+        "samples are more than a second apart: they do not show how a joint moves; the recording is not used",
+        "state the unit of the clock (ms as s?), or record more often";
     warning ROBOT_LEADER = "robot.leader",
         "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
         "record the positions of the follower";

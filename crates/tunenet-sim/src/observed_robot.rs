@@ -7,7 +7,7 @@ use tunenet_core::observation::{Channel, Note, with_decimals};
 use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValue};
 use tunenet_formats::{Error, Result};
 
-use crate::arm::{JointKind, Model, model_file};
+use crate::arm::{Joint, JointKind, Model, model_file};
 use crate::robot::effects::{RobotEffect, in_units_of_joints};
 use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
 use crate::robot::numbers::{JointNumbers, Number};
@@ -83,6 +83,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         starts: starts.iter().map(|(start, _)| *start).collect(),
         wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
         follows,
+        limits: model.joints().into_iter().map(limits).collect(),
         notes: said_of_one_setup(&same_as_parameters).into_iter().chain(said_of_several_joints(&beyond)).collect(),
     };
     let mut rigs = Vec::with_capacity(files.len());
@@ -210,6 +211,12 @@ pub(crate) fn order<'a>(file: &'a SimulationFile, model: &Model) -> Result<Vec<(
 /// Whether the joint of this name slides.
 pub(crate) fn is_slide(model: &Model, name: &str) -> bool {
     model.joints().into_iter().any(|joint| joint.name == name && joint.kind == JointKind::Prismatic)
+}
+
+/// Between which positions a joint may move, rad or m; infinite without limits.
+fn limits(joint: &Joint) -> [f64; 2] {
+    let [lower, upper] = [joint.limits.lower, joint.limits.upper];
+    if upper > lower { [lower, upper] } else { [f64::NEG_INFINITY, f64::INFINITY] }
 }
 
 /// One setup.

@@ -10,11 +10,14 @@ use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
+use super::limits::{at_a_stop, beyond_limits};
 use super::trajectory::Quantity;
 use crate::findings;
 
 /// A sample this much farther from the median of the seven around it than the motion there explains is a jump of the reading, rad or m.
 const JUMP: f64 = 0.25;
+/// Samples that are farther apart than this, s, show no motion of a joint.
+const RARE_S: f64 = 1.0;
 /// A pause this long, s, and this many times the usual one, is a gap.
 const GAP_S: f64 = 0.5;
 const GAP_PERIODS: f64 = 20.0;
@@ -70,6 +73,9 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
         )));
     }
     prepared.seen = seen;
+    if let Some(note) = rare(prepared.seen.clock()) {
+        return Ok(rejected(note, checks));
+    }
     checks.extend(gap(prepared.seen.clock()).map(noticed));
     let known = prepared.circumstances.clone().unwrap_or_default();
     for (channel, reading) in layout.readings.iter().enumerate() {
@@ -77,16 +83,7 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
             continue;
         }
         match position(layout, &prepared.seen, channel, *reading, &known) {
-            Some((note, true)) => {
-                let failed = Check {
-                    kind: note.kind,
-                    state: State::Failed,
-                    text: note.text.clone(),
-                    remedy: note.remedy.clone(),
-                };
-                checks.push(failed);
-                return Ok(Preparation::Rejected(Box::new(Rejected { note, checks })));
-            }
+            Some((note, true)) => return Ok(rejected(note, checks)),
             Some((note, false)) => checks.push(noticed(note)),
             None => {}
         }
@@ -97,6 +94,24 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
     prepared.notes.extend(checks.iter().filter_map(Check::note));
     prepared.checks.extend(checks);
     Ok(Preparation::Usable(prepared))
+}
+
+/// The recording refused, after these checks.
+fn rejected(note: Note, mut checks: Vec<Check>) -> Preparation {
+    let (text, remedy) = (note.text.clone(), note.remedy.clone());
+    checks.push(Check { kind: note.kind, state: State::Failed, text, remedy });
+    Preparation::Rejected(Box::new(Rejected { note, checks }))
+}
+
+/// That samples are so far apart that they show no motion of a joint, and a rollout between them takes for ever.
+fn rare(clock: &[f64]) -> Option<Note> {
+    let period_s = median(clock.windows(2).map(|two| two[1] - two[0])).filter(|period_s| *period_s > RARE_S)?;
+    let text = format!(
+        "samples are {} s apart: expected {RARE_S} s at most, in which a joint moves little",
+        with_decimals(period_s, 2)
+    );
+    let remedy = "state the unit of the clock (`t_ms` where it counts ms), or record more often";
+    Some(Note::new(findings::ROBOT_RARE, text, remedy))
 }
 
 /// The longest pause of a clock, where it is much longer than the others: a simulation goes on in it with the last command.
@@ -214,6 +229,10 @@ fn position(
     let values: Vec<f64> = seen.column(channel).collect();
     let name = seen.channels()[channel].header();
     let moved = range(values.iter().copied());
+    let limits = layout.limits[reading.joint];
+    if let Some(beyond) = beyond_limits(&name, moved, (limits[1] - limits[0], &seen.channels()[channel].unit)) {
+        return Some((beyond, true));
+    }
     let command = layout.wiring[reading.joint].command.and_then(|place| known.inputs.get(place))?;
     let goals: Vec<f64> = seen.clock().iter().map(|t| command.at(0, *t)).collect();
     let commanded = range(goals.iter().copied());
@@ -266,6 +285,9 @@ fn position(
         let text = format!("`{name}` moves against its commands: expected one sign, found two");
         let remedy = "turn the sign of the column of commands or of positions: a `-` before its name in `--columns`";
         return Some((Note::new(findings::ROBOT_SIGN, text, remedy), false));
+    }
+    if let Some(stopped) = at_a_stop(&name, (seen.clock(), &values, &goals), limits) {
+        return Some((stopped, false));
     }
     let lag = best_lag(seen.clock(), &values, |t| command.at(0, t))?;
     (lag.abs() > OTHER_CLOCK_S).then(|| {
@@ -369,6 +391,9 @@ mod tests {
         assert!(gap(&clock(0.3)).is_none());
         let slow: Vec<f64> = (0..20).map(f64::from).collect();
         assert!(gap(&slow).is_none() && gap(&[]).is_none());
+        assert!(rare(&slow).is_none() && rare(&[]).is_none());
+        let text = rare(&[0.0, 20.0, 40.0]).unwrap().text;
+        assert_eq!(text, "samples are 20.00 s apart: expected 1 s at most, in which a joint moves little");
     }
 
     #[test]

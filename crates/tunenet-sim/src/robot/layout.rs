@@ -46,6 +46,8 @@ pub(crate) struct Layout {
     pub wiring: Vec<Wiring>,
     /// Whether each joint is to follow its commands: a position drive.
     pub follows: Vec<bool>,
+    /// Between which positions the model lets each joint move, rad or m; infinite where it does not say.
+    pub limits: Vec<[f64; 2]>,
     /// What is to be said of every recording.
     pub notes: Vec<Note>,
 }

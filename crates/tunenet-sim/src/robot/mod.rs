@@ -13,7 +13,9 @@
 //! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `layout` | what parameters, channels and inputs mean |
+//! | `limits` | positions against the limits of the model: another unit, stops |
 //! | `rig` | the chain with its loads |
+//! | `observable_scale` | which joints show how large their torques are |
 //! | `observable_zero` | which joints show where their zero is |
 //! | `stated_gravity` | the gravity of an MJCF |
 //! | `stated_motor` | what an MJCF says of the motors of its joints |
@@ -29,8 +31,10 @@ mod examine;
 mod friction_cone;
 pub(crate) mod imperfect;
 pub(crate) mod layout;
+mod limits;
 mod model;
 pub(crate) mod numbers;
+mod observable_scale;
 mod observable_zero;
 mod one_joint;
 pub(crate) mod rig;
@@ -47,6 +51,7 @@ mod tests;
 pub use model::RobotModel;
 pub(crate) use model::driven_joints;
 pub use numbers::Drive;
+pub use observable_scale::observable_scales;
 pub use observable_zero::observable_zeros;
 pub use stated_gravity::{StatedGravity, stated_gravity};
 pub(crate) use stated_motor::motor_law;

@@ -1,5 +1,6 @@
 //! A simulation file to start from for the joints of a model file.
 
+use nalgebra::Vector3;
 use tunenet_core::observation::{Channel, plain};
 
 use super::domain::Domain;
@@ -9,7 +10,7 @@ use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
 use crate::arm::{Joint, JointKind, Model};
 use crate::robot::effects::unit_of_slide;
-use crate::robot::{Drive, StatedGravity, StatedMotor, observable_zeros};
+use crate::robot::{Drive, StatedGravity, StatedMotor, observable_scales, observable_zeros};
 
 /// Where a log has the numbers of a joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,7 +85,8 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     if one_gain {
         text = with_tuned_gains(text, named.len());
     }
-    let shown = shown_zeros(model, start);
+    let shown = showing(model, start, observable_zeros);
+    let scaled = showing(model, start, observable_scales);
     for joint in &named {
         let motor = start.motor(&joint.name);
         for known in SAMPLES {
@@ -102,7 +104,12 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             }
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some();
-            let hidden = number == "zero" && !shown.contains(&joint.name.as_str());
+            // Of a joint without weight, only ratios of torques and inertias show: its inertia is taken for known.
+            let hidden = match number {
+                "zero" => !shown.contains(&joint.name.as_str()),
+                "armature" => !scaled.contains(&joint.name.as_str()),
+                _ => false,
+            };
             // No recording shows a limit that a torque drive does not reach.
             let limit = number == "stall_torque" && (one_gain || drive(joint) == Drive::Torque);
             let held = (number == "back_emf" && together) || limit || hidden;
@@ -114,11 +121,11 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     text
 }
 
-/// The joints that show where their zero is.
-fn shown_zeros<'m>(model: &'m Model, start: &RobotStart) -> Vec<&'m str> {
+/// The joints that show something by their dynamics: where their zero is, how large their torques are.
+fn showing<'m>(model: &'m Model, start: &RobotStart, what: fn(&Model, Vector3<f64>) -> Vec<bool>) -> Vec<&'m str> {
     let stated = start.gravity.unwrap_or(StatedGravity { size_m_s2: 9.81, base_tilt_rad: [0.0; 2] });
     let base = Imperfections { tilt_rad: stated.base_tilt_rad, ..Imperfections::none(0) };
-    let shows = observable_zeros(model, base.gravity(stated.size_m_s2));
+    let shows = what(model, base.gravity(stated.size_m_s2));
     model.joints().into_iter().zip(shows).filter_map(|(joint, shows)| shows.then_some(joint.name.as_str())).collect()
 }
 

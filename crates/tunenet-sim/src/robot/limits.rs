@@ -1,0 +1,76 @@
+//! Positions of a joint against the limits that its model states: another unit, and stops.
+
+use tunenet_core::observation::{Note, with_decimals};
+
+use crate::findings;
+
+/// Positions that span more than so many times what the model lets the joint move are in another unit.
+const BEYOND_LIMITS: f64 = 3.0;
+/// A joint that is within this share of its travel from a limit, while its command is as far beyond it, for this share of the samples, stands
+/// at a stop.
+const AT_STOP: f64 = 0.01;
+const LONG_AT_STOP: f64 = 0.01;
+
+/// That positions span far more than the limits of the model allow.
+pub(super) fn beyond_limits(name: &str, moved: f64, (travel, unit): (f64, &str)) -> Option<Note> {
+    if moved <= BEYOND_LIMITS * travel {
+        return None;
+    }
+    let text = format!(
+        "`{name}` spans {}, and the limits of the model let it move by {}: expected {unit}, found another unit (degrees?)",
+        with_decimals(moved, 2),
+        with_decimals(travel, 2),
+    );
+    let remedy = "state the units as they were recorded, or correct the limits in the model";
+    Some(Note::new(findings::ROBOT_UNITS, text, remedy))
+}
+
+/// That a joint stands at a limit of the model while its commands go beyond it.
+pub(super) fn at_a_stop(
+    name: &str,
+    (clock, values, goals): (&[f64], &[f64], &[f64]),
+    [lower, upper]: [f64; 2],
+) -> Option<Note> {
+    let near = AT_STOP * (upper - lower);
+    let stands = |i: &usize| {
+        let at = |limit: f64, sign: f64| (values[*i] - limit).abs() <= near && sign * (goals[*i] - limit) > near;
+        at(lower, -1.0) || at(upper, 1.0)
+    };
+    let stopped = (0..values.len()).filter(stands).count();
+    let share = stopped as f64 / values.len().max(1) as f64;
+    if share < LONG_AT_STOP {
+        return None;
+    }
+    let lasting = share * (clock.last()? - clock.first()?);
+    let text = format!(
+        "`{name}` stands at a limit of the model for {} s while its commands go beyond it: stops are not simulated",
+        with_decimals(lasting, 2)
+    );
+    Some(Note::new(findings::ROBOT_STOP, text, "leave these parts out, or keep the commands within the limits"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_far_beyond_the_limits_are_in_another_unit() {
+        assert!(beyond_limits("a_rad", 6.0, (5.6, "rad")).is_none());
+        assert!(beyond_limits("a_rad", 600.0, (f64::INFINITY, "rad")).is_none());
+        let text = beyond_limits("a_rad", 57.0, (5.6, "rad")).unwrap().text;
+        let expected = "`a_rad` spans 57.00, and the limits of the model let it move by 5.60: expected rad, found another unit (degrees?)";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn a_joint_at_its_limit_with_a_command_beyond_it_stands_at_a_stop() {
+        let clock: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();
+        let goals: Vec<f64> = clock.iter().map(|t| 1.2 * t.sin()).collect();
+        let stopped: Vec<f64> = goals.iter().map(|goal| goal.clamp(-1.0, 1.0)).collect();
+        let text = at_a_stop("lift_m", (&clock, &stopped, &goals), [-1.0, 1.0]).unwrap().text;
+        let expected = "`lift_m` stands at a limit of the model for 1.08 s while its commands go beyond it: stops are not simulated";
+        assert_eq!(text, expected);
+        assert!(at_a_stop("lift_m", (&clock, &goals, &goals), [-1.0, 1.0]).is_none(), "it goes beyond the limit");
+        assert!(at_a_stop("lift_m", (&clock, &stopped, &goals), [f64::NEG_INFINITY, f64::INFINITY]).is_none());
+    }
+}
