@@ -1,6 +1,7 @@
 //! The effects of a robot's file: numbers for each joint as lists in the order of the model.
 
 use toml_edit::Item;
+use tunenet_core::simulator::Coefficient;
 use tunenet_formats::Result;
 
 use super::SimulationFile;
@@ -45,7 +46,13 @@ impl SimulationFile {
         let Some(effect) = RobotEffect::find(name) else {
             return Err(refused("an effect of a robot".into(), format!("`{name}`")));
         };
-        numbers_of(&effect, 1).write(self, values)
+        // Bounds of hinges and of slides alike; whoever simulates the file knows which joints slide.
+        let widened = |c: &Coefficient| {
+            let (min, max) = effect.bounds_in_files(c);
+            Coefficient { min, max, ..c.clone() }
+        };
+        let coefficients: Vec<Coefficient> = effect.coefficients.iter().map(widened).collect();
+        JointNumbersOf { coefficients: &coefficients, ..numbers_of(&effect, 1) }.write(self, values)
     }
 
     /// Writes the value of a parameter of a robot, be it a number of an effect (`load_friction.mu.2`) or a parameter of the file.

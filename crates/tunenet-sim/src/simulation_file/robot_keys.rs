@@ -83,11 +83,14 @@ pub static ROBOT_TABLES: LazyLock<Vec<Key>> = LazyLock::new(|| {
 /// The keys below `[effects]` of a robot: one for each coefficient of the catalogue, and whether `tune` may change it.
 pub static ROBOT_EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     let keys = effects::all().into_iter().flat_map(|effect| {
-        let one = |c: &Coefficient| Key {
-            path: Cow::Owned(format!("effects.{}.{}", effect.name, c.key)),
-            shape: Shape::NumberOrList(c.min, c.max),
-            required: false,
-            meaning: Cow::Borrowed(effect.sentence),
+        let one = |c: &Coefficient| {
+            let (min, max) = effect.bounds_in_files(c);
+            Key {
+                path: Cow::Owned(format!("effects.{}.{}", effect.name, c.key)),
+                shape: Shape::NumberOrList(min, max),
+                required: false,
+                meaning: Cow::Borrowed(effect.sentence),
+            }
         };
         let tune = Key {
             path: Cow::Owned(format!("effects.{}.tune", effect.name)),

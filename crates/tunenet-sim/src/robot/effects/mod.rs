@@ -19,6 +19,7 @@ mod position_latch;
 mod quadratic_friction;
 mod release_braking;
 mod release_delay;
+mod slide;
 mod speed_limit;
 mod stribeck_friction;
 mod time_delay;
@@ -26,6 +27,7 @@ mod voltage_sag;
 
 use tunenet_core::simulator::{Coefficient, Effect, Phase, Side, Twin};
 
+pub(crate) use self::slide::{in_units_of_joints, unit_of_slide};
 use super::imperfect::{DriveEffects, Imperfect};
 use super::numbers::Number;
 use crate::arm::effects::{self as arm, Imperfections};
@@ -155,6 +157,12 @@ impl RobotEffect {
         if self.per_joint { joints } else { 1 }
     }
 
+    /// The bounds of one of its coefficients in a file, which does not say which joints slide.
+    #[must_use]
+    pub(crate) fn bounds_in_files(&self, c: &Coefficient) -> (f64, f64) {
+        if self.per_joint { slide::bounds_of_any_joint(c) } else { (c.min, c.max) }
+    }
+
     /// Its entry for a robot with these joints: each coefficient stands there once for every joint, under the same key and numbered
     /// by the joint. `tuned` is whether a number is tuned in every joint.
     #[must_use]
@@ -201,33 +209,6 @@ impl RobotEffect {
             }
         }
     }
-}
-
-/// The unit of a hinge's number where the joint slides: m for rad, and N for N·m.
-pub(crate) fn unit_of_slide(of_a_hinge: &str) -> &str {
-    match of_a_hinge {
-        "rad" => "m",
-        "rad/s" => "m/s",
-        "s/rad" => "s/m",
-        "N·m" => "N",
-        "N·m/rad" => "N/m",
-        "rad/(N·m)" => "m/N",
-        "N·m·s/rad" => "N·s/m",
-        "N·m·s²/rad²" => "N·s²/m²",
-        "kg·m²" => "kg",
-        unit => unit,
-    }
-}
-
-/// The same entry with the units of slides in the numbers of joints that slide.
-pub(crate) fn in_units_of_joints(mut entry: Effect, slides: &[bool]) -> Effect {
-    for coefficient in &mut entry.coefficients {
-        let joint = coefficient.number.and_then(|number| number.checked_sub(1));
-        if joint.and_then(|joint| slides.get(joint)) == Some(&true) {
-            coefficient.unit = unit_of_slide(&coefficient.unit).to_owned().into();
-        }
-    }
-    entry
 }
 
 #[cfg(test)]
@@ -278,22 +259,6 @@ mod tests {
         assert_eq!(friction.repeated_by, [["a__coulomb"], ["b__coulomb"]]);
         let braking = RobotEffect::find("release_braking").unwrap().entry(&["a"], |_| true);
         assert_eq!(braking.repeated_by, [["a__viscous", "a__back_emf"]]);
-    }
-
-    #[test]
-    fn a_slide_has_units_of_a_slide() {
-        let units = |name: &str| -> Vec<String> {
-            let entry = RobotEffect::find(name).unwrap().entry(&["a", "b"], |_| true);
-            in_units_of_joints(entry, &[false, true]).coefficients.iter().map(|c| c.unit.to_string()).collect()
-        };
-        assert_eq!(units("command_offset"), ["rad", "m"]);
-        assert_eq!(units("speed_limit"), ["s/rad", "s/m"]);
-        assert_eq!(units("quadratic_friction"), ["N·m·s²/rad²", "N·s²/m²"]);
-        for effect in all() {
-            let entry = in_units_of_joints(effect.entry(&["a"], |_| true), &[true]);
-            let of_hinge = |c: &Coefficient| c.number.is_some() && c.unit.contains("rad");
-            assert!(!entry.coefficients.iter().any(of_hinge), "{}: {:?}", effect.name, entry.coefficients);
-        }
     }
 
     #[test]
