@@ -4,7 +4,7 @@
 //! within `forcerange`, the braking does not.
 
 use super::patch::{Patches, listed, number};
-use super::{Done, Edited, Left};
+use super::{Done, Edited, Left, NO_OFFSET_OF_READINGS};
 use crate::mjcf::Mjcf;
 use crate::robot::{Law, Motion, Target};
 use crate::xml::{Element, SourceFile, shown};
@@ -269,7 +269,7 @@ fn why_not(quantity: Quantity) -> &'static str {
         Quantity::StallTorque => "MJCF knows the torque of a motor as `forcerange`: give it as torque_limit",
         Quantity::Backlash => "MJCF has it only as a second joint between motor and link",
         Quantity::Compliance => "MJCF has it only as a second joint with a spring between motor and link",
-        Quantity::ZeroOffset => "MJCF has no offset of a reading: subtract it from the recordings",
+        Quantity::ZeroOffset => NO_OFFSET_OF_READINGS,
         Quantity::CommandOffset => "MJCF has no offset of a command: add it to the command before the simulation",
         Quantity::DeadBand => {
             "MJCF has no dead band: leave out errors within it before the command reaches the simulation"

@@ -14,6 +14,11 @@ use std::path::PathBuf;
 use crate::xml::shown;
 use crate::{Change, Error, Model, Result};
 
+/// Why no format has an encoder's offset, and what to do. A servo compares its command with what the encoder reads: in the coordinates
+/// of the model, both are less by the offset.
+const NO_OFFSET_OF_READINGS: &str = "model files have no offset of a reading: subtract it from the recorded positions, and the same \
+     amount from the commands of a position drive";
+
 /// One number in its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Done {
@@ -123,4 +128,24 @@ fn check(model: &Model, change: &Change) -> Result<usize> {
     let (name, joint, value) = (change.quantity.name(), shown(&change.joint), change.value);
     let message = format!("joint `{joint}`: expected {expected} as {name} with an ordered interval, found {value}");
     Err(Error::file(path, message, "correct the number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Motion, Quantity};
+
+    #[test]
+    fn both_formats_say_what_to_do_about_an_encoder_offset() {
+        let mjcf = "<mujoco><worldbody><body><joint name='a'/><geom size='0.1'/></body></worldbody></mujoco>";
+        let urdf = "<robot name='r'><link name='l0'/><link name='l1'/>\
+            <joint name='a' type='continuous'><parent link='l0'/><child link='l1'/></joint></robot>";
+        let quantity = Quantity::ZeroOffset;
+        let change = Change { joint: "a".into(), motion: Motion::Revolute, quantity, value: 0.1, interval: None };
+        for text in [mjcf, urdf] {
+            let model = Model::parse("model".as_ref(), text).unwrap();
+            let left = edit(&model, std::slice::from_ref(&change)).unwrap().left;
+            assert_eq!(left, [Left { change: change.clone(), why: NO_OFFSET_OF_READINGS.into() }]);
+        }
+    }
 }

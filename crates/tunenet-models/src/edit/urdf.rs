@@ -1,7 +1,7 @@
 //! Numbers in a URDF: `<dynamics>` and the effort of `<limit>`.
 
 use super::patch::{Patches, listed, number};
-use super::{Done, Edited, Left};
+use super::{Done, Edited, Left, NO_OFFSET_OF_READINGS};
 use crate::urdf::Urdf;
 use crate::xml::Element;
 use crate::{Change, Quantity};
@@ -73,6 +73,7 @@ fn why_not(quantity: Quantity) -> &'static str {
         Quantity::Stiffness | Quantity::SpringReference => {
             "a URDF has no springs: an MJCF has `stiffness` and `springref`"
         }
+        Quantity::ZeroOffset => NO_OFFSET_OF_READINGS,
         Quantity::BackEmf => "a URDF has one number for what brakes with the speed: add it to viscous_friction",
         _ => "a URDF has no attribute for it",
     }
