@@ -1,6 +1,7 @@
 //! Robot joints that follow commands.
 
 mod bad_input;
+mod interfaces;
 mod models;
 mod servo;
 mod swing;

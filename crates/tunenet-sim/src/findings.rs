@@ -28,7 +28,7 @@ finding_kinds! {
         "a moving link has no inertia",
         "add it";
     warning MODEL_LEFT_OUT = "model.left_out",
-        "an MJCF states forces, parts or gravity that the simulation leaves out",
+        "a model states forces, parts, gravity or commands that the simulation leaves out",
         "check that they do not matter, or remove them";
     note MODEL_EFFECTS = "model.effects",
         "an MJCF states armature or springs, which an arm has as effects of the simulation file",

@@ -77,9 +77,9 @@ fn one(parent: &str, element: &Element, unused: &mut Collector) {
     element.children.iter().for_each(|child| one(tag, child, unused));
 }
 
-/// Joint and reduction are taken on; what else a transmission says is not.
+/// Joint, reduction and hardware interface are taken on; what else a transmission says is not.
 fn transmission(element: &Element, unused: &mut Collector) {
-    let what = "kind and hardware interface of a drive; its joint and reduction are read";
+    let what = "kind of a transmission; its joint, reduction and hardware interface are read";
     unused.add(0, element.open.start, ("transmission", None), Changes::Readings, what);
     let kind = element.named("type").next();
     if let Some(kind) = kind.or(element.named("plugin").next()) {

@@ -3,10 +3,13 @@
 //! Source of the rules: the URDF specification (wiki.ros.org/urdf/XML) and what exporters write in practice: a limit of 0 for
 //! effort or velocity stands for "not said".
 
+mod commands;
 mod left_out;
 mod link;
 mod tree;
 
+pub use self::commands::{Commanded, Commands, Interface};
+use self::commands::{is_reduction, transmissions};
 use self::tree::Tree;
 use crate::Result;
 use crate::given::Given;
@@ -21,6 +24,7 @@ const MOST_LINKS: usize = 1000;
 #[derive(Debug, Clone)]
 pub struct Urdf {
     robot: Robot,
+    commands: Commands,
     pub(crate) document: Document,
     /// The `<joint>` of each joint of the robot, with its children.
     pub(crate) joints: Vec<Element>,
@@ -31,6 +35,12 @@ impl Urdf {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// What it says of the commands to the joints.
+    #[must_use]
+    pub fn commands(&self) -> &Commands {
+        &self.commands
     }
 }
 
@@ -60,7 +70,8 @@ pub(crate) fn read(document: Document) -> Result<Urdf> {
     };
     robot.actuators = actuators(&document, &robot)?;
     let joints = tree.joint_elements.into_iter().cloned().collect();
-    Ok(Urdf { robot, document, joints })
+    let commands = commands::read(&document, &robot)?;
+    Ok(Urdf { robot, commands, document, joints })
 }
 
 /// Refuses xacro, from which a URDF is made.
@@ -99,17 +110,14 @@ fn couplings(document: &Document, tree: &Tree) -> Result<Vec<Coupling>> {
 /// motor of a joint: its force is left open.
 fn actuators(document: &Document, robot: &Robot) -> Result<Vec<Actuator>> {
     let mut all = Vec::new();
-    let root = &document.root;
-    let nested = root.named("ros2_control").flat_map(|control| control.named("transmission"));
-    for transmission in root.named("transmission").chain(nested) {
+    for transmission in transmissions(document) {
         let name = transmission.value("name").unwrap_or("transmission");
         let (joints, motors) = (transmission.named("joint").count(), transmission.named("actuator").count());
         for joint in transmission.named("joint") {
             let Some(target) = joint.value("name").and_then(|name| robot.joint(name)) else { continue };
             let of = |element: &Element| {
-                let own =
-                    |child: &&Element| matches!(child.tag.as_str(), "mechanicalReduction" | "mechanical_reduction");
-                element.children.iter().find(own).map(|own| number_within(document, own)).transpose()
+                let own = element.children.iter().find(|child| is_reduction(child));
+                own.map(|own| number_within(document, own)).transpose()
             };
             // A simple transmission states its ratio once: at the actuator in ROS, at the joint in ROS 2.
             let simple = joints == 1 && motors <= 1;
@@ -120,7 +128,7 @@ fn actuators(document: &Document, robot: &Robot) -> Result<Vec<Actuator>> {
             all.push(Actuator { gear, ..drive(shown(name), target, law, None) });
         }
     }
-    for joint in root.named("ros2_control").flat_map(|control| control.named("joint")) {
+    for joint in document.root.named("ros2_control").flat_map(|control| control.named("joint")) {
         let Some(target) = joint.value("name").and_then(|name| robot.joint(name)) else { continue };
         for command in joint.named("command_interface") {
             let kind = command.value("name").unwrap_or_default();
@@ -141,10 +149,14 @@ fn drive(name: String, target: Target, law: Law, command_range: Option<[f64; 2]>
     Actuator { name, target, gear: 1.0, law, filter: Filter::None, command_range, force_range: None, delay_s: 0.0 }
 }
 
+/// The text between the tags of an element.
+fn within<'a>(document: &'a Document, element: &Element) -> &'a str {
+    document.files[element.file].text.get(element.open.end..element.close).unwrap_or_default().trim()
+}
+
 /// The number between the tags of an element.
 fn number_within(document: &Document, element: &Element) -> Result<f64> {
-    let text = &document.files[element.file].text;
-    let within = text.get(element.open.end..element.close).unwrap_or_default().trim();
+    let within = within(document, element);
     within.parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(|| {
         let message = format!("<{}>: expected a finite number, found `{}`", shown(&element.tag), shown(within));
         document.error_at(element, message, "mend the number")

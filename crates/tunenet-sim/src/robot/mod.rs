@@ -18,7 +18,7 @@
 //! | `observable_scale` | which joints show how large their torques are |
 //! | `observable_zero` | which joints show where their zero is |
 //! | `stated_gravity` | the gravity of an MJCF |
-//! | `stated_motor` | what an MJCF says of the motors of its joints |
+//! | `stated_motor` | what an MJCF says of the motors of its joints, and a URDF of their commands |
 //! | `examine` | what is wrong with a recording |
 //! | [`effects`] | what a driven joint may have beyond its simulation |
 //! | [`RobotModel`] | all of it as rollouts |
@@ -55,4 +55,4 @@ pub use observable_scale::observable_scales;
 pub use observable_zero::observable_zeros;
 pub use stated_gravity::{StatedGravity, stated_gravity};
 pub(crate) use stated_motor::motor_law;
-pub use stated_motor::{StatedMotor, stated_motors};
+pub use stated_motor::{StatedDrive, StatedMotor, stated_drives, stated_motors};

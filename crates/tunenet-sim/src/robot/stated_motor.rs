@@ -1,8 +1,9 @@
-//! What an MJCF says of the motors of its joints, as numbers of a simulation file.
+//! What an MJCF says of the motors of its joints, as numbers of a simulation file; and a URDF of their commands.
 //!
 //! Source of the map: a servo's torque is A·clip(c·kp·e − kd·w, ±1) − B·w, and the position actuator of MuJoCo makes
 //! clip(kp'·e − kv'·w, ±F): F = A, kp' = A·c·kp, kv' = A·kd. The braking B is outside the limit, and so part of the joint's damping.
 
+use tunenet_models::urdf::{Commanded, Commands, Interface};
 use tunenet_models::{Actuator, Joint, Law, Motion, Robot, Target};
 
 use super::numbers::Drive;
@@ -37,6 +38,29 @@ pub struct StatedMotor {
     pub friction: f64,
     /// Inertia of the rotor behind the gear, kg·m².
     pub armature: f64,
+}
+
+/// What the commands to a joint mean by a URDF, which states neither gains nor limits of a motor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StatedDrive {
+    /// Name of the joint.
+    pub joint: String,
+    /// What its commands mean.
+    pub drive: Drive,
+}
+
+/// The drives of the joints whose commands are known: of several kinds, a position counts before a speed, and that before a torque.
+#[must_use]
+pub fn stated_drives(commands: &Commands) -> Vec<StatedDrive> {
+    let one = |joint: &Commanded| {
+        let drive = match joint.interfaces.first()? {
+            Interface::Position => Drive::Position,
+            Interface::Velocity => Drive::Velocity,
+            Interface::Effort => Drive::Torque,
+        };
+        Some(StatedDrive { joint: joint.joint.clone(), drive })
+    };
+    commands.joints.iter().filter_map(one).collect()
 }
 
 /// The motors of all hinges and slides.
@@ -149,6 +173,21 @@ mod tests {
         );
         let model = tunenet_models::Model::parse_alone(Path::new("m.xml"), &text).unwrap();
         stated_motors(model.robot())
+    }
+
+    #[test]
+    fn interfaces_of_a_urdf_are_drives() {
+        let joint =
+            |name: &str, interfaces: &[Interface]| Commanded { joint: name.into(), interfaces: interfaces.into() };
+        let joints = vec![
+            joint("a", &[Interface::Position, Interface::Velocity]),
+            joint("b", &[Interface::Velocity]),
+            joint("c", &[Interface::Effort]),
+            joint("d", &[]),
+        ];
+        let drives = stated_drives(&Commands { joints, reductions: 0 });
+        let drives: Vec<_> = drives.iter().map(|one| (one.joint.as_str(), one.drive)).collect();
+        assert_eq!(drives, [("a", Drive::Position), ("b", Drive::Velocity), ("c", Drive::Torque)]);
     }
 
     #[test]

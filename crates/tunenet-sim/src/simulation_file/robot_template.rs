@@ -10,7 +10,7 @@ use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
 use crate::arm::{Joint, JointKind, Model};
 use crate::robot::effects::unit_of_slide;
-use crate::robot::{Drive, StatedGravity, StatedMotor, observable_scales, observable_zeros};
+use crate::robot::{Drive, StatedDrive, StatedGravity, StatedMotor, observable_scales, observable_zeros};
 
 /// Where a log has the numbers of a joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,6 +28,8 @@ pub struct JointColumns {
 pub struct RobotStart {
     /// What the model states of motors.
     pub motors: Vec<StatedMotor>,
+    /// What the model states of commands, where it states no motors.
+    pub drives: Vec<StatedDrive>,
     /// What the model states of gravity; 9.81 m/s² downwards where it does not.
     pub gravity: Option<StatedGravity>,
     /// The joints that a log has, and where; `None` without a log. Other joints are held, and no motor is ever released.
@@ -39,6 +41,13 @@ pub struct RobotStart {
 impl RobotStart {
     fn motor(&self, joint: &str) -> Option<&StatedMotor> {
         self.motors.iter().find(|motor| motor.joint == joint)
+    }
+
+    /// What the commands to a joint mean: a position where the model does not say.
+    #[must_use]
+    pub fn drive(&self, joint: &str) -> Drive {
+        let of_commands = || self.drives.iter().find(|one| one.joint == joint).map(|one| one.drive);
+        self.motor(joint).map(|motor| motor.drive).or_else(of_commands).unwrap_or(Drive::Position)
     }
 
     fn columns(&self, joint: &str) -> Option<&JointColumns> {
@@ -77,7 +86,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     if let Some(rate_hz) = start.rate_hz {
         text = text.replacen("step_s = 0.001\n", &format!("step_s = {:?}\n", step_s(rate_hz)), 1);
     }
-    let drive = |joint: &&Joint| start.motor(&joint.name).map_or(Drive::Position, |motor| motor.drive);
+    let drive = |joint: &&Joint| start.drive(&joint.name);
     // A log has one gain, and a model states the limit next to it.
     let states_limit = |joint: &&Joint| start.motor(&joint.name).is_some_and(|motor| motor.stall_torque.is_some());
     let stated = start.columns.is_some() || named.iter().all(states_limit);
@@ -91,19 +100,22 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
         let motor = start.motor(&joint.name);
         for known in SAMPLES {
             let number = known.name.rsplit_once(BETWEEN).map_or(known.name, |(_, number)| number);
-            if number == "stall_torque" && motor.is_some_and(unlimited) {
+            let effort = Some(joint.limits.effort).filter(|effort| effort.is_finite());
+            let of_torques = drive(joint) == Drive::Torque;
+            let greatest = motor.map_or(effort, |motor| motor.stall_torque);
+            // A torque drive without a limit has no greatest torque.
+            if number == "stall_torque" && of_torques && greatest.is_none() {
                 continue;
             }
-            let effort = Some(joint.limits.effort).filter(|effort| effort.is_finite());
             let mut default = value(number, known.default, motor, (joint, effort));
             match number {
                 "zero" if start.columns.is_some() => default = zero_of_a_log(joint),
-                // Such a log shows both brakings as one, which is tuned as `viscous`.
-                "back_emf" if start.columns.is_some() => default[0] = 0.0,
+                // Such a log shows both brakings as one, which is tuned as `viscous`; and a torque is that of the joint.
+                "back_emf" if start.columns.is_some() || of_torques => default[0] = 0.0,
                 _ => {}
             }
             // A model has one number for both brakings, and only a released motor separates them.
-            let together = motor.is_some() || start.columns.is_some();
+            let together = motor.is_some() || start.columns.is_some() || of_torques;
             // Of a joint without weight, only ratios of torques and inertias show: its inertia is taken for known.
             let hidden = match number {
                 "zero" => !shown.contains(&joint.name.as_str()),
@@ -111,7 +123,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
                 _ => false,
             };
             // No recording shows a limit that a torque drive does not reach.
-            let limit = number == "stall_torque" && (one_gain || drive(joint) == Drive::Torque);
+            let limit = number == "stall_torque" && (one_gain || of_torques);
             let held = (number == "back_emf" && together) || limit || hidden;
             let tune = known.tune && !held;
             let own = Definition { unit: unit_of(joint, known.unit), ..*known };
@@ -159,17 +171,12 @@ fn step_s(rate_hz: f64) -> f64 {
     (0.125e3 / rate_hz).clamp(1.0, 4.0).floor() / 1e3
 }
 
-/// Whether a motor has no greatest torque: a torque drive without a limit.
-fn unlimited(motor: &StatedMotor) -> bool {
-    motor.drive == Drive::Torque && motor.stall_torque.is_none()
-}
-
 /// The input and the table of a joint.
 fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     let (name, low) = (&joint.name, plain(&joint.name));
     let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
     let (motor, columns) = (start.motor(name), start.columns(name));
-    let drive = motor.map_or(Drive::Position, |motor| motor.drive);
+    let drive = start.drive(name);
     let (word, ending) = match drive {
         Drive::Velocity => ("velocity", format!("rate_{unit}_s")),
         Drive::Torque if unit == "m" => ("torque", "force_n".to_owned()),
@@ -277,7 +284,7 @@ mod tests {
         let path = Path::new("m.xml");
         let robot = tunenet_models::Model::parse_alone(path, MODEL).unwrap();
         let rate_hz = columns.is_some().then_some(30.0);
-        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz, gravity: None };
+        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz, ..RobotStart::default() };
         let model = crate::arm::model_file::parse_mjcf(path, MODEL).unwrap();
         let text = robot_template("m \"x\".xml", &model, &start);
         SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -298,6 +305,32 @@ mod tests {
         let lift: Vec<Option<f64>> = names.iter().map(|name| of(&format!("Lift__{name}"))).collect();
         assert_eq!(lift, [Some(3.0), Some(0.0), Some(0.6), Some(0.05), Some(0.03)]);
         assert_eq!(of("reach__stall_torque"), None);
+    }
+
+    /// A URDF states what commands mean, and no gain; a torque drive without effort limit has no greatest torque.
+    #[test]
+    fn drives_of_a_urdf_keep_the_gains_of_the_template() {
+        let urdf = "<robot name='r'><link name='l0'/><link name='l1'/><link name='l2'/>\
+            <joint name='a' type='continuous'><parent link='l0'/><child link='l1'/></joint>\
+            <joint name='b' type='continuous'><parent link='l1'/><child link='l2'/></joint></robot>";
+        let model = crate::arm::urdf::parse(Path::new("r.urdf"), urdf).unwrap();
+        let drives = [("a", Drive::Velocity), ("b", Drive::Torque)];
+        let drives = drives.map(|(joint, drive)| StatedDrive { joint: joint.into(), drive }).to_vec();
+        let text = robot_template("r.urdf", &model, &RobotStart { drives, ..RobotStart::default() });
+        let file =
+            SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let joints = &file.robot().unwrap().joints;
+        let a = &joints["a"];
+        assert_eq!(
+            (a.drive, a.command.as_str(), a.kp, a.gain_1_rad),
+            (Drive::Velocity, "a_rate_rad_s", 16.0, Some(0.166))
+        );
+        let b = &joints["b"];
+        assert_eq!((b.drive, b.command.as_str(), b.gain_1_rad), (Drive::Torque, "b_torque_nm", None));
+        let parameters = file.parameters().unwrap();
+        let of = |name: &str| parameters.iter().find(|p| p.name == name).map(|p| (p.value, p.tune));
+        assert_eq!((of("b__stall_torque"), of("b__back_emf")), (None, Some((0.0, false))));
+        assert_eq!(of("a__stall_torque").map(|(_, tune)| tune), Some(true));
     }
 
     #[test]

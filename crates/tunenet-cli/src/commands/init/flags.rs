@@ -4,8 +4,8 @@ use std::path::Path;
 
 use tunenet_formats::{Episodes, shell_word};
 use tunenet_sim::arm::{JointKind, Model};
-use tunenet_sim::robot::{Drive, StatedMotor};
-use tunenet_sim::simulation_file::{JointColumns, position_channel};
+use tunenet_sim::robot::Drive;
+use tunenet_sim::simulation_file::{JointColumns, RobotStart, position_channel};
 
 use super::columns::ACTION;
 use super::limits::by_limits;
@@ -18,7 +18,7 @@ const CLOCKS: [&str; 4] = ["t", "time", "timestamp", "times"];
 pub fn flags(
     from: &Path,
     options: &Init,
-    (model, motors): (&Model, &[StatedMotor]),
+    (model, start): (&Model, &RobotStart),
     (found, columns): (&Episodes, &[JointColumns]),
 ) -> String {
     let mut words = vec![shell_word(&from.to_string_lossy())];
@@ -57,8 +57,7 @@ pub fn flags(
     };
     // What is said of a joint holds for its command where that has its name.
     let of_command = |columns: &JointColumns| {
-        let drive =
-            motors.iter().find(|motor| motor.joint == columns.joint).map_or(Drive::Position, |motor| motor.drive);
+        let drive = start.drive(&columns.joint);
         let own = columns.command != format!("{ACTION}{}", columns.state) || drive != Drive::Position;
         let column = found.columns.iter().find(|column| own && column.name == columns.command)?;
         let slides = joints.iter().any(|joint| joint.name == columns.joint && joint.kind == JointKind::Prismatic);

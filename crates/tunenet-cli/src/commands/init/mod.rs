@@ -2,6 +2,7 @@
 
 mod columns;
 mod flags;
+mod interfaces;
 mod limits;
 mod robot;
 

@@ -14,6 +14,7 @@ use std::path::Path;
 
 use tunenet_formats::{Action, Error, Result, read_text};
 use tunenet_models::edit::{self, Edited};
+use tunenet_models::urdf::Commands;
 use tunenet_models::{Change, Format, Motion, Quantity, Robot};
 
 pub use self::keyed::{key_of, keyed, named};
@@ -43,11 +44,33 @@ pub fn read_driven(path: &Path) -> Result<(Model, Option<Robot>)> {
 fn described(path: &Path, driven: Driven) -> Result<(Model, Option<Robot>)> {
     let text = read_text(path)?;
     if Format::of(&text) != Some(Format::Mjcf) {
-        return Ok((urdf::parse(path, &text)?, None));
+        let commands = if driven == Driven::Commands { Some(commands_in(path, &text)?) } else { None };
+        return Ok((urdf::parse_driven(path, &text, commands.as_ref())?, None));
     }
     let file = tunenet_models::Model::parse(path, &text).map_err(in_formats)?;
     let model = bodies::model(path, file.robot(), driven)?;
     Ok((model, Some(file.robot().clone())))
+}
+
+/// What a URDF says of the commands to its joints; nothing of an MJCF, whose actuators say it.
+///
+/// # Errors
+/// As [`read`]; of a URDF with transmissions, also what [`tunenet_models::Model::read`] refuses.
+pub fn commands(path: &Path) -> Result<Commands> {
+    let text = read_text(path)?;
+    if Format::of(&text) == Some(Format::Mjcf) { Ok(Commands::default()) } else { commands_in(path, &text) }
+}
+
+fn commands_in(path: &Path, text: &str) -> Result<Commands> {
+    if !text.contains("<transmission") && !text.contains("<ros2_control") {
+        return Ok(Commands::default());
+    }
+    match tunenet_models::Model::parse_alone(path, text) {
+        Ok(tunenet_models::Model::Urdf(file)) => Ok(file.commands().clone()),
+        Ok(tunenet_models::Model::Mjcf(_)) => Ok(Commands::default()),
+        // What no arm can be is refused as that.
+        Err(error) => urdf::parse(path, text).and_then(|_| Err(in_formats(error))),
+    }
 }
 
 /// The arm that an MJCF describes, which names no other file.

@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use tunenet_core::observation::Note;
 use tunenet_formats::read_text;
 use tunenet_formats::{Error, Result};
+use tunenet_models::urdf::Commands;
 
 use super::inertia::impossible;
 use super::{Coordinate, Inertia, Joint, JointKind, Limits, Model, Pose};
@@ -37,6 +38,11 @@ pub fn read(path: &Path) -> Result<Model> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, text: &str) -> Result<Model> {
+    parse_driven(path, text, None)
+}
+
+/// The same, `commands` being what the file says of the commands to its joints, where they and not torques drive the joints.
+pub(super) fn parse_driven(path: &Path, text: &str, commands: Option<&Commands>) -> Result<Model> {
     text::check(path, text)?;
     let robot = urdf_rs::read_from_string(text).map_err(|e| {
         place::broken(path, text).unwrap_or_else(|| {
@@ -48,7 +54,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Model> {
         return Err(Error::file(path, message, "cut the file down to the arm"));
     }
     let file = File { path, text, robot };
-    let mut notes = file.ignored(text);
+    let mut notes = file.ignored(text, commands);
     let coordinates = file.coordinates()?;
     let (bodies, frames) = tree::build(&file, &coordinates, &mut notes)?;
     let weightless: Vec<_> =
@@ -206,16 +212,30 @@ impl File<'_> {
     }
 
     /// What the file holds and the model leaves out.
-    fn ignored(&self, text: &str) -> Vec<Note> {
+    fn ignored(&self, text: &str, commands: Option<&Commands>) -> Vec<Note> {
         let robot = &self.robot;
         let shapes: usize = robot.links.iter().map(|l| l.visual.len() + l.collision.len()).sum();
         let safety = robot.joints.iter().filter(|j| j.safety_controller.is_some()).count();
         let calibration = robot.joints.iter().filter(|j| j.calibration.is_some()).count();
         let tags = |tag: &str| text.matches(tag).count();
+        // Of a robot from commands, the kind of each command is read.
+        let [transmissions, sections] = match commands {
+            Some(commands) => [
+                (commands.reductions, "reductions of transmissions (armature and friction count behind the gear)"),
+                (
+                    tags("<ros2_control"),
+                    "ros2_control sections, apart from their command interfaces (gains stand in YAML files)",
+                ),
+            ],
+            None => [
+                (tags("<transmission"), "transmissions"),
+                (tags("<ros2_control"), "ros2_control sections (their gains stand in YAML files)"),
+            ],
+        };
         let each = [
             (shapes, "shapes (their meshes are not opened)"),
-            (tags("<transmission"), "transmissions"),
-            (tags("<ros2_control"), "ros2_control sections (their gains stand in YAML files)"),
+            transmissions,
+            sections,
             (tags("<mujoco"), "settings for MuJoCo"),
             (tags("<gazebo"), "settings of Gazebo"),
             (safety, "safety controllers"),
