@@ -1,4 +1,4 @@
-//! Robots whose URDF states what the commands to their joints mean.
+//! Robots whose URDF states what the commands to their joints mean, and which joints follow others.
 
 use super::folder;
 use crate::common::Folder;
@@ -86,4 +86,31 @@ fn command_interfaces_of_ros2_control_state_it_where_no_transmission_does() {
     let (_, text, said) = written(&format!("<ros2_control name=\"c\">{}</ros2_control>", joint("yaw", &["gripper"])));
     assert!(table(&text, "yaw").contains("drive = \"position\""), "{text}");
     assert!(said.contains("no position, velocity or effort by the URDF: `yaw`"), "{said}");
+}
+
+/// A joint that mimics another one moves with it; what it has of its own does not count, and is named.
+#[test]
+fn a_joint_that_mimics_another_one_has_no_table_and_is_named() {
+    let folder = folder();
+    let link = |name: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"1\"/>\
+             <inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, [parent, child]: [&str; 2], more: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{more}</joint>"
+        )
+    };
+    let mimic = "<mimic joint=\"left\" multiplier=\"-1\"/><dynamics damping=\"0.2\"/>";
+    let text = ["base", "one", "two"].map(link).concat()
+        + &joint("left", ["base", "one"], "")
+        + &joint("right", ["base", "two"], mimic);
+    folder.write("gripper.urdf", format!("<robot name=\"gripper\">{text}</robot>"));
+    let ran = folder.run("init robot --urdf gripper.urdf --out gripper.toml").ends(0);
+    let text = folder.text("gripper.toml");
+    assert!(text.contains("# No table for `right`: it follows `left`"), "{text}");
+    assert!(text.contains("[joints.left]") && !text.contains("[joints.right]"), "{text}");
+    assert!(ran.stderr.contains("joints that follow others, whose own friction") && ran.stderr.contains("`right`"));
 }

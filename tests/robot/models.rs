@@ -148,6 +148,28 @@ fn models_of_other_simulations_are_refused() {
     folder.run("tune --sim scene.toml drop.csv --out-bam a.json").ends(2);
 }
 
+/// Masks of geoms concern forces where they enable contacts; where they do not, they are listed with what has no effect.
+#[test]
+fn contacts_are_named_once_where_the_model_states_them() {
+    let folder = folder();
+    let own = "<inertial pos=\"0 0 -0.1\"";
+    let with = |mask: &str, flag: &str| {
+        let geom = format!("<geom size=\"0.02\" contype=\"{mask}\" conaffinity=\"{mask}\"/>{own}");
+        MODEL.replacen(own, &geom, 1).replacen("<flag contact=\"disable\"/>", flag, 1)
+    };
+    let said = |text: String| {
+        folder.write("touching.xml", text);
+        folder.run("init robot --model touching.xml --out touching.toml --overwrite").ends(0).stderr
+    };
+    let touching = said(with("1", ""));
+    assert_eq!(touching.matches("contacts between geoms").count(), 1, "{touching}");
+    assert!(!touching.contains("contype"), "{touching}");
+    let free = said(with("0", ""));
+    assert!(free.contains("<geom contype>") && !free.contains("contacts between geoms"), "{free}");
+    assert!(!said(MODEL.replacen("<flag contact=\"disable\"/>", "", 1)).contains("contacts between geoms"));
+    assert!(!said(with("1", "<flag contact=\"disable\"/>")).contains("contacts between geoms"));
+}
+
 /// Rolls out a model file in MuJoCo: positions every 10 ms. Its dry friction, which creeps by default, is as stiff as its steps allow.
 const ROLLOUT: &str = r#"
 import json, sys

@@ -191,6 +191,8 @@ pub struct Robot {
     pub actuators: Vec<Actuator>,
     /// Gravity in world axes, m/s²; `None` where the format has none.
     pub gravity_m_s2: Option<[f64; 3]>,
+    /// Whether the file says which shapes touch: contacts are part of its simulation then.
+    pub contacts: bool,
     /// What the file holds and this description leaves out.
     pub unused: Vec<Unused>,
 }

@@ -9,6 +9,7 @@
 mod actuator;
 mod body;
 mod compiler;
+mod contacts;
 mod defaults;
 mod effective_inertia;
 mod joint;
@@ -98,9 +99,10 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
     }
     let name = document.root.value("model").unwrap_or_default().to_owned();
     let gravity_m_s2 = Some(option.0);
+    let (actuators, unused_parts, contacts) = (Vec::new(), Vec::new(), contacts::stated(&document));
     let mut robot =
-        Robot { name, links, joints, couplings, tendons, actuators: Vec::new(), gravity_m_s2, unused: Vec::new() };
-    let servos = actuators((&document, &compiler, &classes), &mut robot, &mut heads, &mut unused)?;
+        Robot { name, links, joints, couplings, tendons, actuators, gravity_m_s2, contacts, unused: unused_parts };
+    let servos = read_actuators((&document, &compiler, &classes), &mut robot, &mut heads, &mut unused)?;
     robot.unused = unused.finish(&document.files);
     let (degrees, auto_limits) = (compiler.degrees, compiler.auto_limits);
     Ok(Mjcf { robot, document, heads, degrees, auto_limits, timestep_s: option.1, servos })
@@ -140,7 +142,7 @@ fn finish_inertias(document: &Document, links: &mut [Link], compiler: &Compiler)
 }
 
 /// Reads the actuators into the robot.
-fn actuators(
+fn read_actuators(
     (document, compiler, classes): (&Document, &Compiler, &Classes),
     robot: &mut Robot,
     heads: &mut Heads,

@@ -1,14 +1,15 @@
 //! A simulation file to start from for the joints of a model file.
 
 use nalgebra::Vector3;
-use tunenet_core::observation::{Channel, plain};
+use tunenet_core::observation::{Channel, plain, with_decimals};
+use tunenet_core::text::visible;
 
 use super::domain::Domain;
 use super::robot_schema::{BETWEEN, SAMPLES};
 use super::schema::{Definition, is_name};
 use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
-use crate::arm::{Joint, JointKind, Model};
+use crate::arm::{Body, Joint, JointKind, Model};
 use crate::robot::effects::unit_of_slide;
 use crate::robot::{Drive, StatedDrive, StatedGravity, StatedMotor, observable_scales, observable_zeros};
 
@@ -76,6 +77,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     for joint in &named {
         tables(&mut own, joint, start);
     }
+    own.push_str(&followers(model));
     let mut text = keys(Domain::Robot, &own).replacen("\"arm.urdf\"", &toml_edit::value(path).to_string(), 1);
     if let Some(StatedGravity { size_m_s2, base_tilt_rad: [x, y] }) = start.gravity {
         text = text.replacen("gravity_m_s2 = 9.81\n", &format!("gravity_m_s2 = {size_m_s2:?}\n"), 1);
@@ -171,6 +173,18 @@ fn step_s(rate_hz: f64) -> f64 {
     (0.125e3 / rate_hz).clamp(1.0, 4.0).floor() / 1e3
 }
 
+/// That joints follow others, and so have no table.
+fn followers(model: &Model) -> String {
+    let joints = model.joints();
+    let following = model.bodies.iter().filter(|body| !body.coordinate.own);
+    let one = |body: &Body| {
+        let (name, followed) = (visible(&body.joint.name), visible(&joints[body.coordinate.index].name));
+        line(&format!("# No table for `{name}`: it follows `{followed}`, as the model says."))
+    };
+    let all: String = following.map(one).collect();
+    if all.is_empty() { all } else { format!("\n{all}") }
+}
+
 /// The input and the table of a joint.
 fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     let (name, low) = (&joint.name, plain(&joint.name));
@@ -196,6 +210,13 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
     if start.columns.is_none() {
         text.push_str("enable = \"torque_on\"\n");
+    }
+    let [lower, upper] = [joint.limits.lower, joint.limits.upper];
+    if lower.is_finite() && upper.is_finite() {
+        let [lower, upper] = [lower, upper].map(|end| with_decimals(end, 4));
+        text.push_str(&line(&format!(
+            "# The model stops this joint at {lower} and {upper} {unit}; the simulation has no stops."
+        )));
     }
     let channel = position_channel(joint, columns.map(|columns| columns.state.as_str()));
     text.push_str(&line(&format!("observe = [{}]", toml_edit::value(channel))));
@@ -305,6 +326,18 @@ mod tests {
         let lift: Vec<Option<f64>> = names.iter().map(|name| of(&format!("Lift__{name}"))).collect();
         assert_eq!(lift, [Some(3.0), Some(0.0), Some(0.6), Some(0.05), Some(0.03)]);
         assert_eq!(of("reach__stall_torque"), None);
+    }
+
+    #[test]
+    fn stops_and_followers_of_the_model_are_said_in_the_file() {
+        let urdf = "<robot name='r'><link name='l0'/><link name='l1'/><link name='l2'/>\
+            <joint name='a' type='revolute'><parent link='l0'/><child link='l1'/><limit lower='-1' upper='1.25' effort='1' velocity='1'/></joint>\
+            <joint name='b' type='continuous'><parent link='l1'/><child link='l2'/><mimic joint='a' multiplier='2'/></joint></robot>";
+        let model = crate::arm::urdf::parse(Path::new("r.urdf"), urdf).unwrap();
+        let text = robot_template("r.urdf", &model, &RobotStart::default());
+        SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(text.matches("# The model stops this joint at -1 and 1.25 rad;").count(), 1, "{text}");
+        assert!(text.contains("# No table for `b`: it follows `a`") && !text.contains("[joints.b]"), "{text}");
     }
 
     /// A URDF states what commands mean, and no gain; a torque drive without effort limit has no greatest torque.

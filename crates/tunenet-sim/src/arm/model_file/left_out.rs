@@ -1,9 +1,10 @@
-//! What an MJCF holds and the model of an arm leaves out, as notes.
+//! What a model file holds and the model of an arm leaves out, as notes.
 
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
 use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target, Unused};
 
+use crate::arm::{Body, Model};
 use crate::findings;
 use crate::robot::motor_law;
 
@@ -23,8 +24,11 @@ pub(super) enum Driven {
 pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     let mut notes = Vec::new();
     let matters = |changes| matches!(changes, Changes::Structure | Changes::Dynamics | Changes::Unknown);
-    let named: Vec<String> =
+    let mut named: Vec<String> =
         robot.unused.iter().filter(|left| matters(left.changes)).map(ToString::to_string).collect();
+    if robot.contacts {
+        named.push("contacts between geoms: bodies pass through each other in the simulation".into());
+    }
     if !named.is_empty() {
         let text = format!("the model file states what the simulation leaves out: {}", listed(&named));
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, "check that it does not matter, or remove it"));
@@ -69,7 +73,13 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         Some(attribute) => format!("<{} {attribute}>", left.element),
         None => format!("<{}>", left.element),
     };
-    let mut kinds: Vec<String> = robot.unused.iter().filter(|left| !matters(left.changes)).map(tag).collect();
+    // They are named above as what they do.
+    let of_contacts = |left: &Unused| {
+        robot.contacts
+            && (left.element == "contact" || matches!(left.attribute.as_deref(), Some("contype" | "conaffinity")))
+    };
+    let others = robot.unused.iter().filter(|left| !matters(left.changes) && !of_contacts(left));
+    let mut kinds: Vec<String> = others.map(tag).collect();
     kinds.sort();
     kinds.dedup();
     let drives = robot.actuators.len();
@@ -131,12 +141,24 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             "lower `duty_max` of the joint if the smaller one is reached",
         ),
         (apart, "actuators of tendons, sites and bodies, which the simulation leaves out", ""),
-        (follow, "joints that follow others, whose own friction, damping and armature the simulation leaves out", ""),
+        (follow, FOLLOW, ""),
     ];
     said.into_iter()
         .filter(|(all, ..)| !all.is_empty())
         .map(|(all, what, remedy)| Note::new(findings::MODEL_LEFT_OUT, format!("{what}: {}", listed(&all)), remedy))
         .collect()
+}
+
+/// Said of joints that follow others.
+const FOLLOW: &str = "joints that follow others, whose own friction, damping and armature the simulation leaves out";
+
+/// What coupled joints of a URDF have that no joint of the simulation file gets.
+pub(super) fn of_mimics(model: &Model) -> Option<Note> {
+    let own = |body: &&Body| !body.coordinate.own && (body.joint.damping != 0.0 || body.joint.friction != 0.0);
+    let all: Vec<String> =
+        model.bodies.iter().filter(own).map(|body| format!("`{}`", visible(&body.joint.name))).collect();
+    let text = || format!("{FOLLOW}: {}", listed(&all));
+    (!all.is_empty()).then(|| Note::new(findings::MODEL_LEFT_OUT, text(), ""))
 }
 
 fn listed(all: &[String]) -> String {

@@ -45,7 +45,9 @@ fn described(path: &Path, driven: Driven) -> Result<(Model, Option<Robot>)> {
     let text = read_text(path)?;
     if Format::of(&text) != Some(Format::Mjcf) {
         let commands = if driven == Driven::Commands { Some(commands_in(path, &text)?) } else { None };
-        return Ok((urdf::parse_driven(path, &text, commands.as_ref())?, None));
+        let mut model = urdf::parse_driven(path, &text, commands.as_ref())?;
+        model.notes.extend(left_out::of_mimics(&model).filter(|_| driven == Driven::Commands));
+        return Ok((model, None));
     }
     let file = tunenet_models::Model::parse(path, &text).map_err(in_formats)?;
     let model = bodies::model(path, file.robot(), driven)?;
