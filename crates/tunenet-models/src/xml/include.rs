@@ -33,7 +33,8 @@ pub(crate) struct Include {
 }
 
 impl Document {
-    /// The text of the first file with all others in the places where it includes them; `None` where it includes none.
+    /// The text of the first file with all others in the places where it includes them, with its own line ends; `None` where it
+    /// includes none.
     pub fn joined(&self) -> Option<String> {
         (!self.includes.is_empty()).then(|| self.part(0, 0..self.files[0].text.len()))
     }
@@ -47,7 +48,7 @@ impl Document {
         let (mut text, mut at) = (String::new(), range.start);
         for one in within {
             text.push_str(&source[at..one.element.start]);
-            text.push_str(&self.part(one.other, one.inner.clone()));
+            text.push_str(&with_ends_of(source, self.part(one.other, one.inner.clone())));
             at = one.element.end;
         }
         text + &source[at..range.end]
@@ -62,6 +63,13 @@ impl Document {
     pub fn error_at(&self, at: &Element, message: impl Into<String>, hint: impl Into<String>) -> Error {
         self.files[at.file].error(at.open.clone(), message, hint)
     }
+}
+
+/// The text with the line ends that `whole` has, where that has any.
+fn with_ends_of(whole: &str, text: String) -> String {
+    let Some(first) = whole.find('\n') else { return text };
+    let plain = text.replace("\r\n", "\n");
+    if whole[..first].ends_with('\r') { plain.replace('\n', "\r\n") } else { plain }
 }
 
 /// From which files a model may include others.
@@ -232,6 +240,18 @@ mod tests {
         assert_eq!(tags, [("a", 0), ("b", 1), ("c", 1), ("d", 0)]);
         assert_eq!(all.root.children[3].children[0].tag, "e");
         assert_eq!(all.joined().unwrap(), "<m><a/><b/><c/><d><e/></d></m>");
+    }
+
+    #[test]
+    fn what_is_included_gets_the_line_ends_of_the_file_around_it() {
+        let joined = |main: &str, part: &str| read(&[("a.xml", main), ("b.xml", part)]).unwrap().joined().unwrap();
+        let (lf, crlf) = ("<m>\n<include file='b.xml'/>\n</m>", "<m>\r\n<include file='b.xml'/>\r\n</m>");
+        let (part, other) = ("<r>\n<b/>\n</r>", "<r>\r\n<b/>\r\n</r>");
+        for part in [part, other] {
+            assert_eq!(joined(lf, part), "<m>\n\n<b/>\n\n</m>");
+            assert_eq!(joined(crlf, part), "<m>\r\n\r\n<b/>\r\n\r\n</m>");
+        }
+        assert_eq!(joined("<m><include file='b.xml'/></m>", other), "<m>\r\n<b/>\r\n</m>");
     }
 
     #[test]
