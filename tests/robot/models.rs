@@ -170,6 +170,25 @@ fn contacts_are_named_once_where_the_model_states_them() {
     assert!(!said(with("1", "<flag contact=\"disable\"/>")).contains("contacts between geoms"));
 }
 
+/// The copy is of the model's own format.
+#[test]
+fn a_copy_that_bears_the_ending_of_another_format_is_refused_before_the_run() {
+    let folder = folder();
+    folder.write("seen.csv", "t_s,shoulder_rad,elbow_rad\n0,0,0\n");
+    let ran = folder.run("tune --sim robot.toml seen.csv --out-model tuned.urdf").ends(2);
+    assert!(ran.stderr.contains("`--out-model`: expected a name that ends in .xml"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("two.xml is an MJCF, found tuned.urdf"), "{}", ran.stderr);
+    folder.write("arm.urdf", super::MODEL);
+    folder.run("init robot --urdf arm.urdf --out hinge.toml").ends(0);
+    let ran = folder.run("tune --sim hinge.toml seen.csv --out-model tuned.xml").ends(2);
+    assert!(ran.stderr.contains("expected a name that ends in .urdf"), "{}", ran.stderr);
+    // A model that bears that ending itself may keep it.
+    folder.write("arm.xml", super::MODEL);
+    folder.run("init robot --urdf arm.xml --out own.toml").ends(0);
+    let ran = folder.run("tune --sim own.toml seen.csv --out-model tuned.xml");
+    assert!(!ran.stderr.contains("expected a name that ends"), "{}", ran.stderr);
+}
+
 /// Rolls out a model file in MuJoCo: positions every 10 ms. Its dry friction, which creeps by default, is as stiff as its steps allow.
 const ROLLOUT: &str = r#"
 import json, sys

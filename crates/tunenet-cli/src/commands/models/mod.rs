@@ -1,5 +1,6 @@
 //! Models with tuned numbers: a copy of the user's own file, BAM's parameters, a configuration for Isaac Lab.
 
+mod format;
 mod robot;
 mod sidecar;
 
@@ -13,6 +14,7 @@ use tunenet_formats::{shown_path, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::model_file::with_friction;
 use tunenet_sim::observed_arm::urdf_path;
+use tunenet_sim::observed_robot::model_path;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays};
 use tunenet_sim::robot::Drive;
 use tunenet_sim::simulation_file::Domain;
@@ -40,6 +42,9 @@ pub fn check(options: &Models, file: &SimulationFile, objects: usize) -> Result<
     if options.out_model.is_some() && !robot && !replays(file) {
         let expected = "`kind = \"robot\"`, or an arm with `motion.kind = \"replay\"`";
         return refuse("--out-model", expected, "another simulation".into());
+    }
+    if let Some(out) = &options.out_model {
+        format::check(out, &if robot { model_path(file)? } else { urdf_path(file)? })?;
     }
     if options.out_bam.is_some() && !file.robot()?.joints.values().any(|joint| joint.drive == Drive::Position) {
         let expected = "a joint with `drive = \"position\"`, since BAM's servos follow positions";
