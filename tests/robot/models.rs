@@ -170,6 +170,32 @@ fn contacts_are_named_once_where_the_model_states_them() {
     assert!(!said(with("1", "<flag contact=\"disable\"/>")).contains("contacts between geoms"));
 }
 
+#[test]
+fn inspect_lists_the_joints_of_a_model_and_the_next_step() {
+    let folder = folder();
+    let ranged = MODEL.replacen("axis=\"0 1 0\"", "axis=\"0 1 0\" range=\"-1 1.5\"", 1);
+    folder.write(
+        "ranged.xml",
+        ranged.replacen(
+            "<position name=\"two\" joint=\"elbow\" kp=\"12\"",
+            "<velocity name=\"two\" joint=\"elbow\"",
+            1,
+        ),
+    );
+    let ran = folder.run("inspect ranged.xml").ends(0);
+    for part in ["MJCF of a robot with 2 joints", "-1 to 1.5 rad", "no limits", "tunenet init robot --model ranged.xml"]
+    {
+        assert!(ran.stdout.contains(part), "{part}\n{}", ran.stdout);
+    }
+    let json = folder.run("inspect ranged.xml --json").ends(0).json();
+    let joints = json["joints"].as_array().unwrap();
+    assert_eq!((&joints[0]["max"], &joints[0]["drive"]), (&json!(1.5), &json!("position")));
+    assert_eq!(
+        (&joints[1]["max"], &joints[1]["drive"], &json["usable"]),
+        (&Value::Null, &json!("velocity"), &json!(true))
+    );
+}
+
 /// The copy is of the model's own format.
 #[test]
 fn a_copy_that_bears_the_ending_of_another_format_is_refused_before_the_run() {

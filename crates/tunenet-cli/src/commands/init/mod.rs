@@ -5,6 +5,7 @@ mod flags;
 mod interfaces;
 mod limits;
 mod robot;
+pub(super) mod stated;
 
 use std::path::Path;
 

@@ -6,14 +6,13 @@ use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
 use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration};
-use tunenet_sim::arm::{Joint, Model, model_file};
+use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::robot::{stated_drives, stated_gravity, stated_motors};
-use tunenet_sim::simulation_file::{RobotStart, is_name, robot_template};
+use tunenet_sim::simulation_file::{is_name, robot_template};
 
 use super::columns::{columns, held, listed};
 use super::flags::flags;
-use super::interfaces;
+use super::stated::{Stated, stated};
 use crate::args::Init;
 use crate::files::names::in_one_folder;
 
@@ -30,21 +29,9 @@ pub struct Started {
 /// # Errors
 /// Where the model or the recording cannot be used, or have no joint in common.
 pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
-    let (model, robot) = model_file::read_driven(urdf)?;
-    let mut motors = robot.as_ref().map(stated_motors).unwrap_or_default();
-    let commands = model_file::commands(urdf)?;
-    let mut drives = stated_drives(&commands);
-    let names: Vec<String> = model.joints().into_iter().map(|joint| joint.name.clone()).collect();
-    let model = model_file::keyed(model);
-    for (joint, name) in model.joints().into_iter().zip(&names) {
-        motors.iter_mut().filter(|motor| motor.joint == *name).for_each(|motor| motor.joint.clone_from(&joint.name));
-        drives.iter_mut().filter(|drive| drive.joint == *name).for_each(|drive| drive.joint.clone_from(&joint.name));
-    }
-    let gravity = robot.as_ref().and_then(stated_gravity);
-    let mut start = RobotStart { motors, drives, gravity, ..RobotStart::default() };
-    let (mut recording, mut notes) = (None, model.notes.clone());
+    let Stated { model, mut start, mut notes } = stated(urdf)?;
+    let mut recording = None;
     notes.extend(unnameable(&model)?);
-    notes.extend(interfaces::notes(&commands));
     if let Some(from) = &options.from {
         let found = episodes(from, options)?;
         let columns = columns(options, &model, &found)?;

@@ -5,6 +5,7 @@ mod listing;
 mod log;
 mod manifest;
 mod reading;
+mod robot_model;
 mod settings;
 mod several;
 mod table;
@@ -75,10 +76,12 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
 /// The same, with the channels and inputs of a simulation file.
 fn look_in(path: &Path, options: &Inspect, sim: Option<&SimulationFile>, shown: &mut Printout) -> Result<Found> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let model = robot_model::format(path, &extension);
     let plain = |object: Value, standing: Standing| Found { object, standing, motion: None };
-    let mut found = match extension.as_str() {
-        "toml" => plain(settings::look(path, shown)?, Standing::Usable),
-        "safetensors" => plain(learned::model(&load_model(path)?, shown), Standing::Usable),
+    let mut found = match (extension.as_str(), model) {
+        (_, Some(format)) => plain(robot_model::look(path, format, shown)?, Standing::Usable),
+        ("toml", _) => plain(settings::look(path, shown)?, Standing::Usable),
+        ("safetensors", _) => plain(learned::model(&load_model(path)?, shown), Standing::Usable),
         _ if is_video(path) => {
             let (object, standing) = video::look(path, options.reading.camera_rate, shown)?;
             plain(object, standing)

@@ -1,0 +1,78 @@
+//! What the model of a robot describes, as `init robot` reads it.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+use tunenet_core::observation::with_decimals;
+use tunenet_core::text::visible;
+use tunenet_formats::{read_text, shell_word};
+use tunenet_models::Format;
+use tunenet_sim::arm::{Joint, JointKind};
+use tunenet_sim::robot::Drive;
+
+use super::super::init::stated::{Stated, stated};
+use crate::view::answer::Printout;
+use crate::view::json::warning;
+
+/// Whether the file is a model: by its ending, and by its first element.
+pub fn format(path: &Path, ending: &str) -> Option<Format> {
+    if !matches!(ending, "urdf" | "xml" | "mjcf") {
+        return None;
+    }
+    Format::of(&read_text(path).ok()?)
+}
+
+/// Looks into it.
+///
+/// # Errors
+/// Where no robot can be what it describes.
+pub fn look(path: &Path, format: Format, shown: &mut Printout) -> Result<Value> {
+    let Stated { model, start, notes } = stated(path)?;
+    let joints = model.joints();
+    let format = if format == Format::Mjcf { "MJCF" } else { "URDF" };
+    let rows: Vec<Vec<String>> = joints
+        .iter()
+        .map(|joint| {
+            vec![visible(&joint.name), kind(joint).into(), range(joint), drive(start.drive(&joint.name)).into()]
+        })
+        .collect();
+    shown.row("model", &format!("{format} of a robot with {} joints", joints.len()));
+    shown.table(&rows);
+    let next = format!("tunenet init robot --model {}", shell_word(&path.to_string_lossy()));
+    shown.row("usable", &format!("tune its joints: `{next}` writes a simulation file"));
+    shown.warn_all(&notes);
+    let of = |joint: &&Joint| {
+        let [lower, upper] = [joint.limits.lower, joint.limits.upper].map(|end| end.is_finite().then_some(end));
+        json!({ "name": joint.name, "kind": kind(joint), "min": lower, "max": upper, "drive": drive(start.drive(&joint.name)) })
+    };
+    Ok(json!({ "kind": "robot model", "for": "start a simulation file", "format": format,
+        "joints": joints.iter().map(of).collect::<Vec<_>>(),
+        "warnings": notes.iter().map(warning).collect::<Vec<_>>() }))
+}
+
+fn kind(joint: &Joint) -> &'static str {
+    match joint.kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
+    }
+}
+
+fn range(joint: &Joint) -> String {
+    let [lower, upper] = [joint.limits.lower, joint.limits.upper];
+    if !(lower.is_finite() && upper.is_finite()) {
+        return "no limits".into();
+    }
+    let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+    format!("{} to {} {unit}", with_decimals(lower, 4), with_decimals(upper, 4))
+}
+
+fn drive(drive: Drive) -> &'static str {
+    match drive {
+        Drive::Position => "position",
+        Drive::Velocity => "velocity",
+        Drive::Torque => "torque",
+        Drive::Voltage => "voltage",
+    }
+}
