@@ -118,10 +118,10 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             }
             // A model has one number for both brakings, and only a released motor separates them.
             let together = motor.is_some() || start.columns.is_some() || of_torques;
-            // Of a joint without weight, only ratios of torques and inertias show: its inertia is taken for known.
+            // Of a servo without weight, only ratios of torques and inertias show: its inertia is taken for known.
             let hidden = match number {
                 "zero" => !shown.contains(&joint.name.as_str()),
-                "armature" => !scaled.contains(&joint.name.as_str()),
+                "armature" => !of_torques && !scaled.contains(&joint.name.as_str()),
                 _ => false,
             };
             // No recording shows a limit that a torque drive does not reach.
