@@ -70,8 +70,8 @@ fn transmissions_state_the_drive_of_each_joint() {
 #[test]
 fn command_interfaces_of_ros2_control_state_it_where_no_transmission_does() {
     let joint = |name: &str, interfaces: &[&str]| {
-        let all = interfaces.iter().map(|one| format!("<command_interface name=\"{one}\"/>")).collect::<String>();
-        format!("<joint name=\"{name}\">{all}<state_interface name=\"position\"/></joint>")
+        let all: Vec<String> = interfaces.iter().map(|one| format!("<command_interface name=\"{one}\"/>")).collect();
+        format!("<joint name=\"{name}\">{}<state_interface name=\"position\"/></joint>", all.concat())
     };
     let control = [joint("yaw", &["velocity"]), joint("elev", &["velocity", "position"]), joint("roll", &["effort"])];
     let all = format!(

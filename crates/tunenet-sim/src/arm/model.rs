@@ -63,6 +63,13 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// Least and greatest position where it has both, to 0.1 mrad or 0.1 mm, for people to read.
+    #[must_use]
+    pub fn shown_range(&self) -> Option<[f64; 2]> {
+        let range = [self.limits.lower, self.limits.upper];
+        range.iter().all(|end| end.is_finite()).then(|| range.map(|end| (end * 1e4).round() / 1e4))
+    }
+
     /// That the URDF gives no range to a joint that should have one, where it does not.
     #[must_use]
     pub fn without_limits(&self) -> Option<Note> {

@@ -1,7 +1,7 @@
 //! A simulation file to start from for the joints of a model file.
 
 use nalgebra::Vector3;
-use tunenet_core::observation::{Channel, plain, with_decimals};
+use tunenet_core::observation::{Channel, plain};
 use tunenet_core::text::visible;
 
 use super::domain::Domain;
@@ -211,15 +211,13 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     if start.columns.is_none() {
         text.push_str("enable = \"torque_on\"\n");
     }
-    let [lower, upper] = [joint.limits.lower, joint.limits.upper];
-    if lower.is_finite() && upper.is_finite() {
-        let [lower, upper] = [lower, upper].map(|end| with_decimals(end, 4));
+    let channel = position_channel(joint, columns.map(|columns| columns.state.as_str()));
+    text.push_str(&line(&format!("observe = [{}]", toml_edit::value(channel))));
+    if let Some([lower, upper]) = joint.shown_range() {
         text.push_str(&line(&format!(
             "# The model stops this joint at {lower} and {upper} {unit}; the simulation has no stops."
         )));
     }
-    let channel = position_channel(joint, columns.map(|columns| columns.state.as_str()));
-    text.push_str(&line(&format!("observe = [{}]", toml_edit::value(channel))));
     match motor.and_then(|motor| Some((motor, motor.gain?))) {
         Some((motor, gain)) => {
             text.push_str("# Of the model: gain / torque limit. With another `kp`, `gain_1_rad` is that over `kp`.\n");

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use tunenet_core::observation::with_decimals;
 use tunenet_core::text::visible;
 use tunenet_formats::{read_text, shell_word};
 use tunenet_models::Format;
@@ -60,12 +59,8 @@ fn kind(joint: &Joint) -> &'static str {
 }
 
 fn range(joint: &Joint) -> String {
-    let [lower, upper] = [joint.limits.lower, joint.limits.upper];
-    if !(lower.is_finite() && upper.is_finite()) {
-        return "no limits".into();
-    }
     let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
-    format!("{} to {} {unit}", with_decimals(lower, 4), with_decimals(upper, 4))
+    joint.shown_range().map_or_else(|| "no limits".into(), |[lower, upper]| format!("{lower} to {upper} {unit}"))
 }
 
 fn drive(drive: Drive) -> &'static str {
