@@ -47,6 +47,19 @@ impl Document {
         Some(item)
     }
 
+    /// Changes the text at `path`, where there is one; all that stands around it is kept.
+    pub fn set_text(&mut self, path: &str, text: &str) {
+        let mut item = Some(self.0.as_item_mut());
+        for part in path.split('.') {
+            item = item.and_then(|item| item.as_table_like_mut()?.get_mut(part));
+        }
+        if let Some(value) = item.and_then(Item::as_value_mut) {
+            let decor = value.decor().clone();
+            *value = text.into();
+            *value.decor_mut() = decor;
+        }
+    }
+
     /// Removes the key at `path`; a key of the root stays.
     pub fn remove(&mut self, path: &str) {
         let Some((tables, key)) = path.rsplit_once('.') else { return };

@@ -14,8 +14,8 @@ mod effects;
 mod equations_keys;
 pub(crate) mod equations_schema;
 mod joint_numbers;
+mod moved;
 pub(crate) mod process_schema;
-mod program_folder;
 mod robot_effects;
 mod robot_keys;
 pub(crate) mod robot_schema;
@@ -40,6 +40,7 @@ pub use effects::PresentEffect;
 pub use equations_keys::{
     ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EQUATIONS_TABLES, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN,
 };
+pub use moved::seen_from;
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use robot_effects::PresentRobotEffect;
 pub use robot_keys::{ROBOT_EFFECT_KEYS, ROBOT_KEYS, ROBOT_TABLES};

@@ -1,6 +1,6 @@
 //! The simulation file of a robot from its model, and from a recording in episodes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use tunenet_core::observation::Note;
@@ -8,13 +8,12 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::{is_name, robot_template};
+use tunenet_sim::simulation_file::{is_name, robot_template, seen_from};
 
 use super::columns::{columns, held, listed};
 use super::flags::flags;
 use super::stated::{Stated, stated};
 use crate::args::Init;
-use crate::files::names::in_one_folder;
 
 /// The file of a robot, and what to type next.
 pub struct Started {
@@ -41,16 +40,9 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         start.columns = Some(columns);
         start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
     }
-    let text = robot_template(&seen_from(out, urdf)?.to_string_lossy(), &model, &start);
+    let seen = seen_from(out, urdf).map_or_else(|| std::path::absolute(urdf), Ok)?;
+    let text = robot_template(&seen.to_string_lossy(), &model, &start);
     Ok(Started { text, recording, notes })
-}
-
-/// Next to the file the model's name does; else its whole path.
-fn seen_from(out: &Path, model: &Path) -> Result<PathBuf> {
-    Ok(match model.file_name().filter(|_| in_one_folder(out, model)) {
-        Some(name) => name.into(),
-        None => std::path::absolute(model)?,
-    })
 }
 
 fn episodes(from: &Path, options: &Init) -> Result<Episodes> {

@@ -41,7 +41,7 @@ pub fn write_tuned(
     let inputs = Inputs { seed: options.common.seed, observations, reference };
     let made = provenance(inputs, (file, &tuned), (recordings, outcome), gap)?;
     tuned.set_provenance(made.entries());
-    tuned.move_program(out);
+    tuned.move_to(out);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
     Ok(())
 }
