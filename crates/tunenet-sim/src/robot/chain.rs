@@ -162,7 +162,16 @@ impl<'a> Chain<'a> {
         self.inverse.copy_from(&self.braked);
         let inverted = self.inverse.try_inverse_mut();
         let heavy = (0..self.motors.len()).all(|j| self.inverse[(j, j)] > 0.0 && self.inverse[(j, j)].is_finite());
-        if inverted && heavy { Ok(()) } else { Err("a joint has no inertia: its armature or its links need some") }
+        if inverted && heavy {
+            return Ok(());
+        }
+        // A number that is none spreads from the torques or the speeds.
+        let finite = self.braked.iter().all(|value| value.is_finite());
+        Err(if finite {
+            "a joint has no inertia: its armature or its links need some"
+        } else {
+            "the simulated motion is not finite"
+        })
     }
 
     /// Speeds for the impulse, less what friction may take of it.

@@ -156,10 +156,10 @@ impl JointNumbers {
     }
 
     /// The share of its torque that the motor keeps while the supply sags under this duty: a source of resistance `r` behind a
-    /// converter, R/(R + r duty²), the motor's own resistance R being B·U²/A².
+    /// converter, R/(R + r duty²), the motor's own resistance R being B·U²/A². Without back-EMF that resistance is not known, and nothing sags.
     #[inline]
     fn supplied(&self, duty: f64) -> f64 {
-        if self.sag_ohm == 0.0 {
+        if self.sag_ohm == 0.0 || self.back_emf == 0.0 {
             return 1.0;
         }
         let motor_ohm = self.back_emf * (self.supply_v / self.stall).powi(2);
@@ -253,6 +253,10 @@ mod tests {
         let joint = JointNumbers { stall: 6.0, back_emf: 1.5, sag_ohm: 2.0, ..JointNumbers::free(Drive::Position) };
         assert_eq!(joint.limited(Command { goal: 0.0, on: 1.0 }, 1.0, 0.0).torque, 4.5);
         assert_eq!(joint.limited(Command { goal: 0.0, on: 0.0 }, 1.0, 0.0).torque, 0.0);
+        let unknown = JointNumbers { back_emf: 0.0, ..joint };
+        for duty in [0.0, 0.5, 1.0] {
+            assert_eq!(unknown.limited(Command { goal: 0.0, on: 1.0 }, duty, 0.0).torque, 6.0 * duty);
+        }
     }
 
     #[test]

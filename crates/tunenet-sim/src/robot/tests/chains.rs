@@ -30,6 +30,19 @@ fn a_chain_of_one_joint_is_that_joint() {
     }
 }
 
+/// What is no number is not taken for a joint without inertia.
+#[test]
+fn a_motion_that_is_not_finite_is_called_so() {
+    let joint = JointNumbers { viscous: f64::NAN, ..servo() };
+    let rig = Rig::new(arm(PENDULUM), Vec::new(), (9.81, [0.0; 2]), vec![joint], 0.001);
+    let (world, down) = rig.world(&super::super::imperfect::Imperfect::none(1));
+    let (goal, on) = (command(|_| 0.0), on_until(4.0));
+    let mut wires = [Wire::new(&joint, Some(&goal), Some(&on), 0.0)];
+    let mut out = Trajectory::new(0.0, 0.001, 100, 1, false);
+    let failed = chain::roll((&[joint], &world, down), &mut wires, (&[0.1], &[0.0]), &mut out);
+    assert_eq!(failed, Err("the simulated motion is not finite"));
+}
+
 #[test]
 fn a_double_pendulum_keeps_its_energy() {
     let model = arm(DOUBLE);
