@@ -35,7 +35,7 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
         file.set_provenance(made.entries());
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
-        file.move_program(&path);
+        file.move_to(&path);
         put(&path, &file)?;
         written.push(path);
     }
@@ -53,7 +53,12 @@ pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option
         stage("ranges", &format!("not written: {why}"));
         return Ok(None);
     }
-    ranges::write(out, &ranges::of_diagnosis(answer))?;
+    let found = ranges::of_diagnosis(answer);
+    let open = ranges::undetermined(&found);
+    if !open.is_empty() {
+        stage("note", &format!("ranges leave out what the recordings do not determine: {}", open.join(", ")));
+    }
+    ranges::write(out, &found)?;
     Ok(Some(out))
 }
 
@@ -76,17 +81,19 @@ pub fn write_models(options: &Diagnose, answer: &Answer) -> Result<()> {
     models::write(&options.models, &improved(answer, 0)?, &intervals(answer))
 }
 
-/// The 95 % intervals of the first object's parameters and effects.
+/// The 95 % intervals of the first object's parameters and effects, of those that the recordings determine.
 fn intervals(answer: &Answer) -> Intervals {
     let ends = |(low, high): (f64, f64)| [low, high];
     let tuned = answer.parameters();
-    let parameters = tuned.iter().filter(|p| p.object == 0).map(|p| (p.name.clone(), ends(p.interval95)));
+    let bounds = answer.loaded.objects[0].simulator.parameters();
+    let determined = tuned.iter().filter(|p| p.object == 0 && p.is_determined(bounds));
+    let parameters = determined.map(|p| (p.name.clone(), ends(p.interval95)));
     let mut all: Intervals = parameters.collect();
     for named in answer.effects_of(0) {
         for (i, coefficient) in named.coefficients.iter().enumerate() {
             // Which number under its key it is: that of a joint.
             let number = 1 + named.coefficients[..i].iter().filter(|other| other.key == coefficient.key).count();
-            if let Some(value) = value_of(coefficient, 0) {
+            if let Some(value) = value_of(coefficient, 0).filter(|value| named.determines(&coefficient.key, value)) {
                 let name = format!("{}.{}.{number}", named.effect.name, coefficient.key);
                 all.insert(name, ends(value.interval95));
             }

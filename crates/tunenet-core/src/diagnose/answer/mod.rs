@@ -15,8 +15,9 @@ pub(in crate::diagnose) mod verdict;
 use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::judge::Test;
 use crate::diagnose::judge::validation_doubt::Doubt;
+use crate::estimate::UNINFORMATIVE_SHARE;
 use crate::observation::{Note, Observation};
-use crate::simulator::{Effect, Phase, Text};
+use crate::simulator::{Effect, Parameter, Phase, Text};
 use serde::{Deserialize, Serialize, Serializer};
 
 /// The answer in one word. Each is a result, none an error.
@@ -92,6 +93,18 @@ impl NamedEffect {
         let allowed = self.effect.coefficients.iter().find(|one| one.key == key).map(|one| (one.min, one.max));
         allowed != Some(value.interval95)
     }
+
+    /// Whether the recordings determine this value of the coefficient `key`: its interval says more than the bounds of a fit do.
+    #[must_use]
+    pub fn determines(&self, key: &str, value: &Value) -> bool {
+        let bounds = self.effect.coefficients.iter().find(|one| one.key == key);
+        bounds.is_none_or(|one| says_more(value.interval95, one.max - one.min))
+    }
+}
+
+/// Whether an interval says more than bounds that are `span` apart.
+fn says_more((low, high): (f64, f64), span: f64) -> bool {
+    high - low < UNINFORMATIVE_SHARE * span
 }
 
 /// One candidate as it stood alone, added to the tuned simulation.
@@ -201,6 +214,15 @@ pub struct Tuned {
     pub value: f64,
     /// Its 95 % interval.
     pub interval95: (f64, f64),
+}
+
+impl Tuned {
+    /// Whether the recordings determine it: its interval says more than the bounds of the parameter of its name do.
+    #[must_use]
+    pub fn is_determined(&self, parameters: &[Parameter]) -> bool {
+        let bounds = parameters.iter().find(|parameter| parameter.name == self.name);
+        bounds.is_none_or(|parameter| says_more(self.interval95, parameter.span()))
+    }
 }
 
 /// One recording as it was seen and explained.
@@ -444,4 +466,27 @@ fn nuisances<S: Serializer>(nuisances: &[(String, f64, String)], serializer: S) 
         unit: &'a str,
     }
     serializer.collect_seq(nuisances.iter().map(|(name, value, unit)| Nuisance { name, value: *value, unit }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds of a parameter are no interval of it.
+    #[test]
+    fn an_interval_as_wide_as_its_bounds_determines_nothing() {
+        let gain = Parameter::new("gain", "1", 1.0, 0.001, 20.0).unwrap();
+        let with = |interval95| Tuned {
+            object: 0,
+            name: "gain".into(),
+            unit: "1".into(),
+            given: 1.0,
+            before: 1.0,
+            value: 1.7,
+            interval95,
+        };
+        assert!(!with((0.001, 20.0)).is_determined(std::slice::from_ref(&gain)));
+        assert!(!with((0.5, 19.0)).is_determined(std::slice::from_ref(&gain)));
+        assert!(with((1.5, 1.9)).is_determined(&[gain]));
+    }
 }

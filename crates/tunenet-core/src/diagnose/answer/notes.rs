@@ -11,10 +11,8 @@ use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, implausib
 use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::validation_doubt::Doubt;
-use crate::estimate::UNINFORMATIVE_SHARE;
 use crate::findings;
 use crate::observation::{Note, three_digits, with_decimals};
-use crate::simulator::Parameter;
 
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
@@ -157,9 +155,8 @@ pub(in crate::diagnose) fn note_undetermined(
     };
     for one in tuned.iter().filter(|one| !silent(one)) {
         let parameters = context.subjects[one.object].simulator.parameters();
-        let (low, high) = one.interval95;
-        let wide = |p: &Parameter| p.name == one.name && high - low >= UNINFORMATIVE_SHARE * p.span();
-        if parameters.iter().any(wide) {
+        if !one.is_determined(parameters) {
+            let (low, high) = one.interval95;
             let interval = format!("{} to {}", three_digits(low), three_digits(high));
             let text = format!(
                 "the recordings do not determine `{}`: its interval is {interval}, as wide as its bounds",
