@@ -58,6 +58,9 @@ fn a_limit_on_rollouts_leaves_no_answer_and_a_quick_search_one() {
     let drag = of("effects.quadratic_drag.c_1_m");
     assert!(drag["low"].as_f64() < Some(0.1317) && drag["high"].as_f64() > Some(0.1317), "{drag}");
     assert_eq!((&of("restitution")["unit"], &written["verdict"]), (&"1".into(), &"named".into()));
+    // What the recordings do not determine has no range.
+    let open = list(&written, "undetermined");
+    assert!(ranges.iter().all(|one| !open.contains(&one["name"])), "{written:#}");
 }
 
 #[test]

@@ -40,9 +40,14 @@ pub struct InputSource {
 impl InputSource {
     /// What the file at hand calls it; what `options` map stands above `column`.
     fn column<'a>(&'a self, options: &'a ReadOptions) -> Option<&'a str> {
-        let mapped = options.columns.iter().find(|(ours, _)| *ours == self.name || *ours == self.channel.header());
+        let mapped = options.columns.iter().find(|(ours, _)| self.is_called(ours));
         let bare = (self.name == self.channel.name).then_some(self.name.as_str());
         mapped.map(|(_, theirs)| theirs.as_str()).or(self.column.as_deref()).or(bare)
+    }
+
+    /// Whether `--columns` means it with this name, which may have another unit that is read.
+    fn is_called(&self, ours: &str) -> bool {
+        ours == self.name || own_columns::scale_of(ours, &self.channel).is_some()
     }
 
     /// How the file that holds it is read.
@@ -54,7 +59,14 @@ impl InputSource {
             Some(column) => vec![("t_s".into(), column.clone())],
             None => options.columns.iter().filter(|(ours, _)| is_time(ours)).cloned().collect(),
         };
-        columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
+        let mapped: Vec<&(String, String)> = options.columns.iter().filter(|(ours, _)| self.is_called(ours)).collect();
+        columns.extend(mapped.iter().map(|(ours, theirs)| {
+            let ours = if *ours == self.name { self.channel.header() } else { ours.clone() };
+            (ours, theirs.clone())
+        }));
+        if mapped.is_empty() {
+            columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
+        }
         let topic = self.topic.clone().or_else(|| options.topic.clone());
         let channels = vec![self.channel.clone()];
         let (others, joints) = (options.channels.clone(), Vec::new());
@@ -277,6 +289,36 @@ mod tests {
         // An input is no forgotten column.
         let notes = recording(&path).notes;
         assert!(notes[0].text.ends_with("are ignored: `u`"), "{notes:?}");
+    }
+
+    /// Degrees are not read as radians because the column is an input's.
+    #[test]
+    fn an_input_is_converted_from_the_unit_that_the_mapping_states() {
+        let (_folder, path) = file("a.csv", "time,pos,cmd,goal_rad\n0,0,180,1\n1,0,-90,2\n2,0,0,3\n");
+        let goal = Channel::from_header("goal_rad").unwrap();
+        let options = |columns: &[(&str, &str)]| {
+            let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+            ReadOptions { columns, others: vec![goal.clone()], ..ReadOptions::default() }
+        };
+        let pi = std::f64::consts::PI;
+        for (mapped, expected) in [
+            (("goal_deg", "cmd"), [pi, -pi / 2.0, 0.0]),
+            (("goal_deg", "-cmd"), [-pi, pi / 2.0, 0.0]),
+            (("goal_rad", "cmd"), [180.0, -90.0, 0.0]),
+            (("goal_deg", "goal_rad"), [1.0 * pi / 180.0, 2.0 * pi / 180.0, 3.0 * pi / 180.0]),
+        ] {
+            let options = options(&[("t_s", "time"), ("angle_deg", "pos"), mapped]);
+            let (input, notes) = read_input(&path, &options, &source("goal_rad")).unwrap().unwrap();
+            let found: Vec<f64> = input.series().column(0).collect();
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{mapped:?}: {found:?}");
+            let noted = notes.iter().any(|note| note.kind == findings::COLUMNS_CONVERTED);
+            assert_eq!(noted, mapped.0 == "goal_deg", "{notes:?}");
+            let seen = ReadOptions { channels: vec![Channel::from_header("angle_rad").unwrap()], ..options };
+            assert!(read(&path, &seen).is_ok());
+        }
+        let twice = options(&[("t_s", "time"), ("goal_deg", "cmd"), ("goal_rad", "pos")]);
+        let refused = read_input(&path, &twice, &source("goal_rad")).unwrap_err().to_string();
+        assert!(refused.contains("`goal_rad` once"), "{refused}");
     }
 
     #[test]

@@ -123,8 +123,16 @@ fn other_unit(name: &str, channel: &Channel) -> Option<String> {
 
 /// Whether a column of this name is the channel, in its unit or in another.
 pub(crate) fn is_meant(name: &str, channel: &Channel) -> bool {
-    let own = matches!(asked(name, std::slice::from_ref(channel)), Some((Quantity::Own(_), _)));
-    own || other_unit(name, channel).is_some()
+    scale_of(name, channel).is_some() || other_unit(name, channel).is_some()
+}
+
+/// How the numbers of a column that `--columns` maps to `ours` become those of the channel: the name has its unit, or another.
+/// `None` where it does not name the channel.
+pub(crate) fn scale_of(ours: &str, channel: &Channel) -> Option<Scale> {
+    match asked(ours, std::slice::from_ref(channel))? {
+        (Quantity::Own(_), scale) => Some(scale),
+        _ => None,
+    }
 }
 
 /// Where a quantity's source is kept.
@@ -207,7 +215,9 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     let wanted: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
     let pairs: Vec<(String, String)> = if header.named {
         let known = |name: &str| header_of(name, channels);
-        let mapped = |ours: &String| options.columns.iter().any(|(of_ours, _)| of_ours == ours);
+        let mapped = |ours: &String| {
+            options.columns.iter().any(|(of_ours, _)| of_ours == ours || known(of_ours).as_ref() == Some(ours))
+        };
         let missing = wanted.iter().filter(|ours| !cells.iter().any(|c| known(c.text).as_ref() == Some(*ours)));
         let missing: Vec<&String> = missing.filter(|ours| !mapped(ours)).collect();
         // What has the other role is no proposal.
@@ -228,10 +238,14 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     } else {
         wanted.into_iter().zip((1..).map(|n: usize| n.to_string())).collect()
     };
+    let other_units = other_units(&pairs, &open, channels);
+    let pairs: Vec<(String, String)> =
+        pairs.into_iter().map(|(ours, theirs)| (in_unit_of(&theirs, ours, channels), theirs)).collect();
     if !open.is_empty() {
         let pairs = pairs.iter().map(|(ours, theirs)| format!("{ours}={theirs}"));
         let open = open.iter().map(|ours| format!("{ours}=NAME"));
-        return format!("say which column is which: `--columns {}`", pairs.chain(open).collect::<Vec<_>>().join(","));
+        let pairs = pairs.chain(open).collect::<Vec<_>>().join(",");
+        return format!("say which column is which: `--columns {pairs}`{other_units}");
     }
     if pairs.is_empty() {
         return match role {
@@ -243,14 +257,50 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
             }
         };
     }
-    let clock = pairs.iter().find(|(ours, _)| *role == Role::Driving && header.named && ours == "t_s");
+    let is_clock = |ours: &str| matches!(meaning(ours), Meaning::Known(Quantity::Time, _));
+    let clock = pairs.iter().find(|(ours, _)| *role == Role::Driving && header.named && is_clock(ours));
     let own_clock = clock.map_or_else(String::new, |(_, theirs)| {
         format!("of an input in a file of its own, write `time_column = {theirs:?}` into its table; otherwise ")
     });
     let pairs: Vec<String> = pairs.iter().map(|(ours, theirs)| format!("{ours}={theirs}")).collect();
     let option = pairs.join(",");
     let quote = if option.contains([' ', '(', '[', '\'']) { "'" } else { "" };
-    format!("{own_clock}say which column is which, for example `--columns {quote}{option}{quote}`")
+    format!("{own_clock}say which column is which, for example `--columns {quote}{option}{quote}`{other_units}")
+}
+
+/// The units in which a column of this header may stand, each with how it is read; the header is the clock's or a channel's.
+fn units_of(header: &str, channels: &[Channel]) -> &'static [(&'static str, Scale)] {
+    match channels.iter().find(|channel| channel.header() == header) {
+        Some(channel) => conversions(&channel.unit),
+        None => Quantity::Time.units(),
+    }
+}
+
+/// The header `ours` without its unit.
+fn stem<'a>(ours: &'a str, channels: &'a [Channel]) -> &'a str {
+    channels.iter().find(|channel| channel.header() == ours).map_or("t", |channel| &channel.name)
+}
+
+/// `ours` in the unit that the name of the column ends in, where that is read: `angle_rad` is `angle_deg` for `theta_deg`.
+fn in_unit_of(theirs: &str, ours: String, channels: &[Channel]) -> String {
+    let theirs = plain(theirs);
+    let ending = |unit: &&str| theirs.ends_with(&format!("_{unit}"));
+    let units = units_of(&ours, channels).iter().filter(|(_, scale)| *scale != Scale::Keep);
+    let unit = units.map(|(unit, _)| *unit).filter(ending).max_by_key(|unit| unit.len());
+    unit.map(|unit| format!("{}_{unit}", stem(&ours, channels))).unwrap_or(ours)
+}
+
+/// That a name may have another unit: of what is `open`, and of `pairs` whose column names none.
+fn other_units(pairs: &[(String, String)], open: &[String], channels: &[Channel]) -> String {
+    let unstated = pairs.iter().filter(|(_, theirs)| !has_unit(&plain(theirs))).map(|(ours, _)| ours);
+    let other = |ours: &String| {
+        let unit = units_of(ours, channels).iter().find(|(_, scale)| *scale != Scale::Keep)?.0;
+        Some(format!("`{}_{unit}`", stem(ours, channels)))
+    };
+    match unstated.chain(open).filter_map(other).take(2).collect::<Vec<_>>() {
+        names if names.is_empty() => String::new(),
+        names => format!("; where another unit is meant, write it into our name: {}", names.join(", ")),
+    }
 }
 
 /// Whether a name ends in a unit.
@@ -273,14 +323,15 @@ fn contradicts(ours: &str, theirs: &str) -> bool {
     own.unit != other.unit && !converted
 }
 
-/// Which channel of `seen` is the one that is `wanted`, by its name and unit or by the name that `options` have for it.
-pub(crate) fn column_of(seen: &Observation, wanted: &Channel, options: &ReadOptions) -> Option<usize> {
-    let theirs = options.columns.iter().find(|(ours, _)| *ours == wanted.header());
+/// Which channel of `seen` is the one that is `wanted`, by its name and unit or by the name that `options` have for it, and how its
+/// numbers are read.
+pub(crate) fn column_of(seen: &Observation, wanted: &Channel, options: &ReadOptions) -> Option<(usize, Scale)> {
+    let theirs = options.columns.iter().find_map(|(ours, theirs)| Some((theirs, scale_of(ours, wanted)?)));
     let is = |channel: &Channel| match theirs {
-        Some((_, theirs)) => channel.name == *theirs || channel.header() == *theirs,
+        Some((theirs, _)) => channel.name == *theirs || channel.header() == *theirs,
         None => channel == wanted,
     };
-    seen.channels().iter().position(is)
+    Some((seen.channels().iter().position(is)?, theirs.map_or(Scale::Keep, |(_, scale)| scale)))
 }
 
 /// `recording` with the channels that are asked for, and no others.
@@ -299,14 +350,20 @@ pub(crate) fn chosen(path: &Path, recording: Recording, options: &ReadOptions) -
     if seen.kind() == Kind::EventTimes {
         return refuse(&names(channels), kind_name(seen.kind()));
     }
-    let columns: Option<Vec<usize>> = channels.iter().map(|wanted| column_of(seen, wanted, options)).collect();
+    let columns: Option<Vec<(usize, Scale)>> = channels.iter().map(|wanted| column_of(seen, wanted, options)).collect();
     let Some(columns) = columns else {
         return refuse(&names(channels), &names(seen.channels()));
     };
-    let values = (0..seen.len()).flat_map(|i| columns.iter().map(move |c| seen.row(i)[*c])).collect();
+    let values = (0..seen.len()).flat_map(|i| columns.iter().map(move |(c, scale)| scale.apply(seen.row(i)[*c])));
+    let values = values.collect();
     let observation = Observation::new(Kind::Other, channels.clone(), seen.clock().to_vec(), values)?;
     // What the messages do not carry was not asked for.
-    let notes = recording.notes.into_iter().filter(|note| note.kind != findings::JOINTS_ABSENT).collect();
+    let mut notes: Vec<Note> =
+        recording.notes.into_iter().filter(|note| note.kind != findings::JOINTS_ABSENT).collect();
+    for (wanted, (column, _)) in channels.iter().zip(&columns).filter(|(_, (_, scale))| *scale != Scale::Keep) {
+        let text = format!("column `{}` is converted to `{}`", seen.channels()[*column].header(), wanted.header());
+        notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
+    }
     Ok(Recording { observation, notes })
 }
 
@@ -364,7 +421,11 @@ mod tests {
         let without = hint("t_s,volt_v\n0,1\n1,2\n2,3\n", "angle_rad");
         assert!(!without.contains("volt_v"), "{without}");
         let second = hint("t_s,volt_v,theta_deg\n0,1,1\n1,2,1\n2,3,1\n", "angle_rad");
-        assert!(second.contains("`--columns angle_rad=theta_deg`"), "{second}");
+        // In the unit of its name: as `angle_rad`, degrees would be read as radians.
+        assert!(second.ends_with("`--columns angle_deg=theta_deg`"), "{second}");
+        let unstated = hint("time,theta\n0,1\n1,2\n2,3\n", "angle_rad");
+        let said = "`--columns t_s=time,angle_rad=theta`; where another unit is meant, write it into our name: `t_ms`, `angle_deg`";
+        assert!(unstated.ends_with(said), "{unstated}");
         let milli = hint("t_s,volt_mv\n0,1\n1,2\n2,3\n", "volt_v");
         assert!(
             milli.contains("convert its numbers to V; if they are in V already, `--columns volt_v=volt_mv`"),
@@ -417,6 +478,9 @@ mod tests {
         let (_folder, path) = file("a.mcap", "");
         crate::write_mcap(&seen, &path).unwrap();
         assert_eq!(read(&path, &options(&["z_m"], &[])).unwrap().observation.values(), [3.0; 3]);
+        let in_mm = read(&path, &options(&["height_m"], &[("height_mm", "z")])).unwrap();
+        assert_eq!(in_mm.observation.values(), [3.0 / 1e3; 3]);
+        assert_eq!(in_mm.notes[0].kind, findings::COLUMNS_CONVERTED);
         let refused = read(&path, &options(&["angle_rad"], &[])).unwrap_err().to_string();
         assert!(refused.contains("expected the channels `t_s`, `angle_rad`"), "{refused}");
     }

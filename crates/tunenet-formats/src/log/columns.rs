@@ -3,6 +3,7 @@
 use tunenet_core::observation::{Channel, plain};
 
 use super::topics::Topic;
+use crate::csv::own_columns::scale_of;
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Role};
 use crate::shown::list;
@@ -13,7 +14,7 @@ pub(crate) fn reading(topic: &Topic, options: &ReadOptions) -> ReadOptions {
     let mut columns = options.columns.clone();
     for channel in &options.channels {
         let header = channel.header();
-        if columns.iter().any(|(ours, _)| *ours == header) {
+        if columns.iter().any(|(ours, _)| scale_of(ours, channel).is_some()) {
             continue;
         }
         let of_joint = of_joint(topic, channel);
@@ -71,16 +72,21 @@ pub(crate) fn refuse_unused(topic: &Topic, options: &ReadOptions) -> Result<()> 
 /// Whether `topic` has a column for everything that is asked for, its clock apart.
 pub(crate) fn has_all(topic: &Topic, options: &ReadOptions) -> bool {
     let read = reading(topic, options);
-    let mapped = |header: &str| {
+    let mapped = |is: &dyn Fn(&str) -> bool| {
         read.columns.iter().any(|(ours, theirs)| {
             let bare = theirs.strip_prefix('-').unwrap_or(theirs);
-            ours == header && topic.columns.iter().any(|name| name == bare)
+            is(ours) && topic.columns.iter().any(|name| name == bare)
         })
     };
-    let named = |channel: &Channel| mapped(&channel.header()) || topic.columns.contains(&channel.header());
+    let named = |channel: &Channel| {
+        mapped(&|ours| scale_of(ours, channel).is_some()) || topic.columns.contains(&channel.header())
+    };
     let is_time = |ours: &str| matches!(meaning(ours), Meaning::Known(Quantity::Time, _));
     match options.channels.as_slice() {
-        [] => !options.columns.is_empty() && options.columns.iter().all(|(ours, _)| is_time(ours) || mapped(ours)),
+        [] => {
+            !options.columns.is_empty()
+                && options.columns.iter().all(|(ours, _)| is_time(ours) || mapped(&|other| other == ours))
+        }
         channels => channels.iter().all(named),
     }
 }
@@ -124,6 +130,9 @@ mod tests {
         let pairs = reading(&joints, &by_name).columns;
         assert_eq!(pairs[1], ("elbow_rad_s".into(), "velocity.elbow".into()));
         assert!(!asked(&joints, &options(&["q1_rad"], &[], Role::Predicted)));
+        let in_degrees = options(&["elbow_rad"], &[("elbow_deg", "position.elbow")], Role::Predicted);
+        assert!(has_all(&joints, &in_degrees));
+        assert_eq!(reading(&joints, &in_degrees).columns, in_degrees.columns);
         let single = topic(&["data"], false);
         let input = options(&["force_n"], &[], Role::Driving);
         assert_eq!(reading(&single, &input).columns, [("force_n".to_owned(), "data".to_owned())]);
