@@ -4,7 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use tunenet_core::Origin;
 
 use crate::exit_status::Exit;
-use crate::view::text::{lines, to_stderr};
+use crate::view::text::{lines, to_stderr, without_try};
 
 /// A library's error, whose kind decides how it is printed and how the process ends.
 #[derive(Debug, Clone, Copy)]
@@ -128,7 +128,7 @@ pub fn hint(error: &anyhow::Error) -> Option<&str> {
 
 /// Why something is refused, and what to try.
 pub fn refusal(error: &anyhow::Error) -> String {
-    hint(error).map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
+    hint(error).map_or_else(|| sentence(error), |hint| format!("{}; try: {}", sentence(error), without_try(hint)))
 }
 
 #[cfg(test)]
@@ -178,6 +178,12 @@ mod tests {
         let missing =
             tunenet_formats::Error::io("a.csv", tunenet_formats::Action::Opening, std::io::Error::from_raw_os_error(2));
         assert_eq!(sentence(&missing.into()), "a.csv: no such file");
+    }
+
+    #[test]
+    fn what_to_try_says_so_once() {
+        let several = tunenet_formats::Error::file("a.mcap", "several topics can be used", "try `--topic /joints`");
+        assert_eq!(refusal(&several.into()), "a.mcap: several topics can be used; try: `--topic /joints`");
     }
 
     #[test]

@@ -38,7 +38,8 @@ const MATLAB: &[u8] = b"MATLAB 5.0";
 const PARQUET: &[u8] = b"PAR1";
 const PACKED_MCAP: &str = ".mcap.zstd";
 
-const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+/// How every frame of zstd begins. No message in CDR does: its first byte is 0.
+pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
 const OTHERS: [(usize, &[u8], &str, &str); 11] = [

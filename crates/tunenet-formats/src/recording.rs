@@ -51,6 +51,8 @@ pub struct ReadOptions {
     /// What else of the simulator may stand in the same file, in the other role: neither looked for here, nor taken for forgotten
     /// columns.
     pub others: Vec<Channel>,
+    /// Topics of a log that inputs of the simulator name: none is proposed for what it predicts.
+    pub input_topics: Vec<String>,
 }
 
 /// What the channels of a custom simulator are.

@@ -6,11 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
 
+use crate::format::ZSTD;
 use crate::source::open;
 use crate::{Action, Error, Result};
-
-/// How every frame of zstd begins. No message in CDR does: its first byte is 0.
-pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// How much larger than its compressed copy a file may be, and what is read in any case, in bytes: as of chunks of an MCAP file.
 const MOST_GROWTH: u64 = 64;

@@ -1,5 +1,7 @@
 //! The four bytes before every message in CDR, which say how its numbers are written.
 
+use crate::format::ZSTD;
+
 /// In which order the bytes of a number stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
@@ -7,8 +9,15 @@ pub(super) enum Order {
     Little,
 }
 
+/// What is wrong with a message that was compressed by itself, where nothing unpacked it.
+const COMPRESSED: &str = "is compressed with zstd, message by message: a build with the feature `logs` reads it (`cargo build --release \
+                          --features logs`)";
+
 /// What the mark of a message says, and the bytes behind it.
 pub(super) fn body(data: &[u8]) -> std::result::Result<(Order, &[u8]), String> {
+    if data.starts_with(ZSTD) {
+        return Err(COMPRESSED.into());
+    }
     let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
     match (mark[0], mark[1]) {
         (0, 0) => Ok((Order::Big, body)),
@@ -27,5 +36,7 @@ mod tests {
         assert_eq!(body(&[0, 1, 0, 0]), Ok((Order::Little, &[][..])));
         assert_eq!(body(&[0, 1, 0]).unwrap_err(), "expected CDR, found 3 bytes");
         assert_eq!(body(&[0, 7, 0, 0]).unwrap_err(), "expected plain CDR (00 00 or 00 01), found 00 07");
+        let compressed = body(&[0x28, 0xb5, 0x2f, 0xfd, 0x24, 0x85]).unwrap_err();
+        assert!(compressed.contains("compressed with zstd") && compressed.contains("feature `logs`"), "{compressed}");
     }
 }

@@ -11,6 +11,7 @@ use crate::exit_status::Exit;
 use crate::failure::{hint, sentence};
 use crate::files::names;
 use crate::view::answer::Printout;
+use crate::view::text::without_try;
 
 /// What was found in the files so far.
 pub struct Listing {
@@ -36,7 +37,7 @@ impl Listing {
                 let text = sentence(&error);
                 self.shown.row("refused", &text);
                 if let Some(hint) = hint(&error) {
-                    self.shown.line(&format!("  try: {hint}"));
+                    self.shown.line(&format!("  try: {}", without_try(hint)));
                 }
                 let object = json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text, "remedy": hint(&error) });
                 (Standing::Refused, object, None)

@@ -19,6 +19,7 @@ pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOp
     if let Some(file) = sim.filter(|file| file.domain().declares()) {
         reading.channels = declared::channels(file)?;
         reading.others = load::inputs::in_recording(file);
+        reading.input_topics = load::inputs::topics(file);
     }
     Ok(reading)
 }

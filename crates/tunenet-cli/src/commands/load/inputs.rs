@@ -35,6 +35,11 @@ pub fn in_recording(file: &SimulationFile) -> Vec<Channel> {
     own.flat_map(|(source, _)| [source.channel.clone(), named(&source)]).collect()
 }
 
+/// The topics that the inputs name which stand in the recording itself.
+pub fn topics(file: &SimulationFile) -> Vec<String> {
+    file.inputs().filter(|(_, input)| input.file.is_none()).filter_map(|(_, input)| input.topic.clone()).collect()
+}
+
 /// An input under the very name that its file has for it.
 fn named(source: &InputSource) -> Channel {
     Channel::new(source.column.as_ref().unwrap_or(&source.name), "1")

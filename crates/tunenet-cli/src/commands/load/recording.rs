@@ -78,9 +78,9 @@ pub fn of_channels(
         let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
         return Err(Error::file(path, message, hint).into());
     }
-    let inputs = inputs::in_recording(file);
+    let (inputs, input_topics) = (inputs::in_recording(file), inputs::topics(file));
     let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading)? };
-    let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
+    let recording = read(path, &ReadOptions { others: inputs, input_topics, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
     at_most(most, attach(file, path, recording, setup, &alone)?)
 }

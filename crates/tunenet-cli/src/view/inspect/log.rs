@@ -9,6 +9,7 @@ use super::motion::add_to;
 use crate::answers::motion::Motion;
 use crate::view::answer::Printout;
 use crate::view::json::warning;
+use crate::view::text::without_try;
 
 /// The topics of a log.
 pub fn contents(found: &Log, shown: &mut Printout) {
@@ -51,7 +52,7 @@ pub fn verdict(found: &Log, rejected: Option<&str>, named: Option<&str>, shown: 
             let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
             shown.row("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
             if !found.remedy.is_empty() {
-                shown.line(&format!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy)));
+                shown.line(&format!("  try: {}", without_try(&found.remedy)));
             }
         }
         _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),

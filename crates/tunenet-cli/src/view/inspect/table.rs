@@ -9,6 +9,7 @@ use super::motion::add_to;
 use crate::answers::motion::Motion;
 use crate::view::answer::Printout;
 use crate::view::json::warning;
+use crate::view::text::without_try;
 
 /// What a table contains, in words.
 pub fn contents(found: &Table, shown: &mut Printout) {
@@ -46,7 +47,7 @@ pub fn verdict(usable: Result<Kind, &str>, motion: Option<&Motion>, remedy: &str
         Err(reason) => shown.row("unusable", reason),
     }
     if usable.is_err() && !remedy.is_empty() {
-        shown.line(&format!("  try: {}", remedy.strip_prefix("try ").unwrap_or(remedy)));
+        shown.line(&format!("  try: {}", without_try(remedy)));
     }
 }
 

@@ -124,6 +124,11 @@ pub fn lines(text: &str) -> String {
     text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
 }
 
+/// What to try, as it stands behind `try: `.
+pub fn without_try(hint: &str) -> &str {
+    hint.strip_prefix("try ").unwrap_or(hint)
+}
+
 /// Prints notes and warnings to standard error: those of one kind and remedy together, with the remedy once below them.
 pub fn warn_all(notes: &[Note]) {
     let alike = |a: &Note, b: &Note| a.kind == b.kind && a.remedy == b.remedy;
@@ -153,7 +158,7 @@ pub fn warn(note: &Note) {
     let (style, reset) = (accent.on_default().bold(), anstyle::Reset);
     to_stderr(format_args!("{style}{}{reset}[{}]: {}", severity.name(), note.kind, lines(&note.text)));
     if !note.remedy.is_empty() {
-        to_stderr(format_args!("  try: {}", lines(&note.remedy)));
+        to_stderr(format_args!("  try: {}", lines(without_try(&note.remedy))));
     }
 }
 
