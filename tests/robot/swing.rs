@@ -57,7 +57,9 @@ fn commands_in_another_unit_are_converted() {
     let own = tuned("seen.csv");
     let mapped = tuned("plain.csv --columns t_s=time,hinge_rad=pos,hinge_goal_deg=cmd");
     assert!((own - 5.0).abs() < 0.1 && (mapped - own).abs() < 1e-4, "{own} {mapped}");
-    let refused = folder.run("tune --sim robot.toml plain.csv --columns t_s=time,hinge_rad=pos").ends(1);
+    // Where the input has no default.
+    folder.run("init robot --urdf arm.urdf --out own.toml").ends(0);
+    let refused = folder.run("tune --sim own.toml plain.csv --columns t_s=time,hinge_rad=pos").ends(1);
     let said = "where another unit is meant, write it into our name: `hinge_goal_deg`";
     assert!(refused.stderr.contains(said), "{}", refused.stderr);
 }
@@ -67,18 +69,19 @@ fn commands_in_another_unit_are_converted() {
 fn a_file_in_another_folder_finds_its_model() {
     let folder = folder();
     std::fs::create_dir(folder.path("results")).unwrap();
-    folder.write("results/commands.csv", commands(|t| 0.9 * (t * t * 1.5).sin()));
-    let simulated = |sim: &str, out: &str| {
-        folder
-            .run(&format!("simulate --sim {sim} --inputs results/commands.csv --set record.frames=400 --out {out}"))
-            .ends(0);
+    folder.write("step.csv", commands(|t| if (0.5..2.0).contains(&t) { 1.4 } else { 0.0 }));
+    folder.write("swing.csv", commands(|t| 0.9 * (t * t * 1.5).sin()));
+    let simulated = |sim: &str, inputs: &str, out: &str| {
+        let truth = "--set parameters.hinge__stall_torque.value=5.0 --set record.frames=400";
+        folder.run(&format!("simulate --sim {sim} --inputs {inputs}.csv {truth} --out {out}.csv")).ends(0);
     };
-    simulated("robot.toml", "seen.csv");
-    folder.run("tune --sim robot.toml seen.csv --quick --out results/tuned.toml").ends(0);
+    simulated("robot.toml", "step", "step_seen");
+    simulated("robot.toml", "swing", "swing_seen");
+    folder.run("tune --sim robot.toml step_seen.csv swing_seen.csv --out results/tuned.toml").ends(0);
     folder.run("init robot --urdf arm.urdf --out results/own.toml").ends(0);
     for name in ["results/tuned.toml", "results/own.toml"] {
         let text = folder.text(name);
         assert!(text.contains("\nmodel = \"../arm.urdf\"\n"), "{text}");
-        simulated(name, &name.replace(".toml", ".csv"));
+        simulated(name, "swing", name.trim_end_matches(".toml"));
     }
 }
