@@ -97,4 +97,18 @@ mod tests {
             assert!(!is_far_above_noise(&base));
         });
     }
+
+    /// Also where the discrepancy is what residuals are measured by.
+    #[test]
+    fn what_is_left_is_in_units_of_the_measured_noise() {
+        in_swings(&[(FRICTION, 0.15)], 3, 1, |context| {
+            let (scaled, model) = rescaled(context, &fit_without_effects(context).unwrap()).unwrap();
+            let plain = scaled.joint(&model.structure).plain_residuals(&model.fit.point).unwrap();
+            let each = scaled.recordings().iter().zip(&plain);
+            let measured = each.flat_map(|(one, values)| values.iter().map(|v| v / one.measured_noise[0]));
+            let expected = root_mean_square(measured);
+            let left = left_of_noise(&scaled, &model);
+            assert!(expected > 3.0 && (left / expected - 1.0).abs() < 1e-9, "{left} {expected}");
+        });
+    }
 }

@@ -156,3 +156,48 @@ fn order<'a>(context: &Context<'a>, model: &Hypothesis<'a>, candidates: &mut [Ca
     }
     candidates.sort_by(|a, b| b.model.is_some().cmp(&a.model.is_some()).then(CandidateFit::order(a, b)));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::null::fit_null;
+    use super::super::scale::rescaled;
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
+
+    #[test]
+    fn the_effect_that_is_missing_gains_most() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let step = selection_step(context, fit_null(context).unwrap());
+            assert_eq!(step.candidates[0].entry, entry(context, "viscous_friction"));
+            assert!(step.candidates[0].gain > context.settings.margin && step.model.structure.effects.is_empty());
+        });
+    }
+
+    /// Derivatives of the hypothesis lead to the same fit as derivatives at the start, by fewer rollouts.
+    #[test]
+    fn a_near_fit_ends_where_a_far_one_does() {
+        in_swings(&[(FRICTION, 0.02)], 3, 0, |context| {
+            let (context, model) = rescaled(context, &fit_null(context).unwrap()).unwrap();
+            let scored = score(&context, &model);
+            let one = scored.iter().find(|one| one.entry == entry(&context, "viscous_friction")).unwrap();
+            let value = |found: Option<Hypothesis>| found.unwrap().fit.point.parameters[1];
+            let begin = context.rollouts.count();
+            let near = value(fit_near(&context, &model, one));
+            let between = context.rollouts.count();
+            let far = value(fit_far(&context, &model, one));
+            let (near, far) = ((near, between - begin), (far, context.rollouts.count() - between));
+            assert!((near.0 - 0.02).abs() < 2e-3 && (far.0 - 0.02).abs() < 2e-3, "{near:?} {far:?}");
+            assert!(near.1 < far.1, "{near:?} {far:?}");
+        });
+    }
+
+    #[test]
+    fn what_promises_nothing_has_no_start() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let model = fit_null(context).unwrap();
+            for one in score(context, &model) {
+                assert_eq!(one.has_start(), one.predicted.is_finite(), "{}", context.catalogue[one.entry].name);
+            }
+        });
+    }
+}
