@@ -78,7 +78,12 @@ pub fn write_models(options: &Diagnose, answer: &Answer) -> Result<()> {
         }
         None => {}
     }
-    models::write(&options.models, &improved(answer, 0)?, &intervals(answer))
+    let intervals = intervals(answer);
+    if intervals.is_empty() {
+        stage("model", "not written: the recordings determine none of its numbers");
+        return Ok(());
+    }
+    models::write(&options.models, &improved(answer, 0)?, &intervals)
 }
 
 /// The 95 % intervals of the first object's parameters and effects, of those that the recordings determine.

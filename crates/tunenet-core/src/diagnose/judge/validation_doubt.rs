@@ -165,7 +165,12 @@ pub(in crate::diagnose) fn validation_doubt(
         return feigned().filter(|_| practical && fitted > FEIGNED * floor).map(|(name, by)| Doubt::Feigned(name, by));
     }
     if context.evidence.discrepancy() {
-        let imitated = feigned().filter(|_| context.evidence.discrepancy_in_one_setup());
+        let one_setup = context.evidence.discrepancy_in_one_setup();
+        // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one, if these are of other setups.
+        if one_setup && fitted > REMAINS * floor {
+            return Some(Doubt::DiscrepancyRemains);
+        }
+        let imitated = feigned().filter(|_| one_setup);
         let doubt = imitated.map(|(name, by)| Doubt::Imitated(name, by));
         let doubt = doubt.or_else(|| other_setups((before, after), fitted));
         let doubt = doubt.or_else(|| unconfirmed(context, found, before?, after?).filter(|_| !practical));
@@ -174,10 +179,8 @@ pub(in crate::diagnose) fn validation_doubt(
             return doubt;
         }
     }
-    // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one, if these are of other setups.
     if practical && context.evidence.discrepancy() {
-        let remains = context.evidence.discrepancy_in_one_setup() && fitted > REMAINS * floor;
-        return remains.then_some(Doubt::DiscrepancyRemains);
+        return None;
     }
     if found.selected.iter().all(|selected| is_required(context, selected.entry)) {
         return None;
@@ -347,13 +350,18 @@ mod tests {
             let after = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap();
             let doubt = |evidence: Evidence, times: f64| {
                 let left = (times * NOISE_RAD, NOISE_RAD);
-                validation_doubt(&context.with_evidence(evidence), &found, (Some(&before), Some(&after)), left, true)
+                let context = context.with_evidence(evidence);
+                let of = |practical| validation_doubt(&context, &found, (Some(&before), Some(&after)), left, practical);
+                [of(true), of(false)]
             };
-            assert_eq!(doubt(evidence.clone(), 2.0), None);
-            assert_eq!(doubt(evidence.clone(), 4.0), Some(Doubt::DiscrepancyRemains));
+            assert_eq!(doubt(evidence.clone(), 2.0), [None, None]);
+            assert_eq!(
+                doubt(evidence.clone(), 4.0),
+                [Some(Doubt::DiscrepancyRemains), Some(Doubt::DiscrepancyRemains)]
+            );
             let other = Circumstances { setup: 1, ..Circumstances::default() };
             evidence.training[1].prepared.circumstances = Some(Arc::new(other));
-            assert_eq!(doubt(evidence, 4.0), None);
+            assert_eq!(doubt(evidence, 4.0), [None, None]);
         });
     }
 
