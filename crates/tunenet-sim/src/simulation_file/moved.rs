@@ -100,7 +100,7 @@ mod tests {
 
     const ROBOT: &str = "kind = \"robot\"\n\n[inputs.goal_rad]\n[joints.elbow]\ndrive = \"position\"\ncommand = \"goal_rad\"\n\
         observe = [\"elbow_rad\"]\nkp = 1.0\ngain_1_rad = 3.2\n\n[robot]\nmodel =  \"arm.xml\"  # of the lab\n\
-        [parameters.elbow__viscous]\nvalue = 0.1\nmin = 0.0\nmax = 1.0\n";
+        [parameters.elbow__stall_torque]\nvalue = 3.0\nmin = 0.1\nmax = 9.0\n";
 
     /// A file that is written to another folder leads to the same model, and nothing else in it changes.
     #[test]
