@@ -38,6 +38,9 @@ const MATLAB: &[u8] = b"MATLAB 5.0";
 const PARQUET: &[u8] = b"PAR1";
 const PACKED_MCAP: &str = ".mcap.zstd";
 
+/// How to get a tool that reads more than CSV and MCAP.
+pub(crate) const WITH_LOGS: &str = "build tunenet with the feature `logs`: `cargo install --locked --path crates/tunenet-cli --no-default-features --features logs`";
+
 /// How every frame of zstd begins. No message in CDR does: its first byte is 0.
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
@@ -152,11 +155,7 @@ pub(crate) fn with_logs(path: &Path, what: &str, format: Format) -> Result<Forma
         return Ok(format);
     }
     let message = format!("expected CSV or MCAP, which this build reads, found {what}");
-    Err(Error::file(
-        path,
-        message,
-        "build tunenet with the feature `logs`: `cargo install --locked --path crates/tunenet-cli --no-default-features --features logs`",
-    ))
+    Err(Error::file(path, message, WITH_LOGS))
 }
 
 #[cfg(test)]

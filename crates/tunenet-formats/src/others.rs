@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::documents::refuse_git_lfs_pointer;
-use crate::format::Format;
+use crate::format::{Format, WITH_LOGS};
 #[cfg(feature = "logs")]
 use crate::hdf5::Demonstrations;
 #[cfg(feature = "logs")]
@@ -116,11 +116,7 @@ pub(crate) fn listing(place: &Place, _: &ReadOptions) -> Result<Episodes> {
 
 fn unread(path: &Path) -> Error {
     let message = "expected CSV or MCAP, which this build reads, found a data set of LeRobot";
-    Error::file(
-        path,
-        message,
-        "build tunenet with the feature `logs`: `cargo install --locked --path crates/tunenet-cli --no-default-features --features logs`",
-    )
+    Error::file(path, message, WITH_LOGS)
 }
 
 /// That a folder is no recording, and what it lacks.

@@ -1,6 +1,6 @@
 //! The four bytes before every message in CDR, which say how its numbers are written.
 
-use crate::format::ZSTD;
+use crate::format::{WITH_LOGS, ZSTD};
 
 /// In which order the bytes of a number stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,14 +9,10 @@ pub(super) enum Order {
     Little,
 }
 
-/// What is wrong with a message that was compressed by itself, where nothing unpacked it.
-const COMPRESSED: &str = "is compressed with zstd, message by message: a build with the feature `logs` reads it (`cargo build --release \
-                          --features logs`)";
-
 /// What the mark of a message says, and the bytes behind it.
 pub(super) fn body(data: &[u8]) -> std::result::Result<(Order, &[u8]), String> {
     if data.starts_with(ZSTD) {
-        return Err(COMPRESSED.into());
+        return Err(format!("is compressed with zstd, message by message: {WITH_LOGS}"));
     }
     let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
     match (mark[0], mark[1]) {
