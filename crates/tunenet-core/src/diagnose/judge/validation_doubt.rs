@@ -175,12 +175,9 @@ pub(in crate::diagnose) fn validation_doubt(
         let doubt = doubt.or_else(|| other_setups((before, after), fitted));
         let doubt = doubt.or_else(|| unconfirmed(context, found, before?, after?).filter(|_| !practical));
         let doubt = doubt.or_else(|| Some(Doubt::Weak(undetermined(context, best)?)));
-        if doubt.is_some() {
+        if practical || doubt.is_some() {
             return doubt;
         }
-    }
-    if practical && context.evidence.discrepancy() {
-        return None;
     }
     if found.selected.iter().all(|selected| is_required(context, selected.entry)) {
         return None;
