@@ -13,7 +13,7 @@ PACKAGES := libopencv-dev clang libclang-dev pkg-config
 MDBOOK := 0.5.4
 CARGO_DENY := 0.20.2
 
-# The tool that `test-mcap` and `test-slurm` try: one that is there already, or else one that they build without video.
+# The tool that `test-mcap`, `test-slurm` and `demo` use: one that is there already, or else one that they build without video.
 TOOL :=
 BUILT = $(or $(TOOL),$${CARGO_TARGET_DIR:-target}/release/tunenet)
 
@@ -58,7 +58,7 @@ build: packages ## build the executables with video into target/release
 	@cargo build --release --workspace
 
 demo: cargo ## build without video, then inspect, tune and simulate with ready observations
-	@assets/demo.sh
+	@TOOL="$(TOOL)" assets/demo.sh
 
 book: target/tools/bin/mdbook ## build docs/ as a book into target/book
 	@$< build docs

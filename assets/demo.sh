@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # From a recording to a tuned simulation. Needs only cargo and a C compiler. Run by `make demo`.
+# With TOOL=FILE in the environment, that executable is used and nothing is built.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target="${CARGO_TARGET_DIR:-target}"
 out="$target/demo"
-tool="$target/demo-build/tunenet"
+tool="${TOOL:-$target/demo-build/tunenet}"
 
 say() { printf '\n\033[1m%s\033[0m\n' "$*" | if [[ -t 1 ]]; then cat; else sed 's/\x1b\[[0-9]*m//g'; fi; }
 run() { # shows a command as a user would type it, then runs it
@@ -12,9 +13,11 @@ run() { # shows a command as a user would type it, then runs it
     "$tool" "$@"
 }
 
-# A build that optimises less takes two thirds of the time, and what is shown here runs for seconds.
-say "Building tunenet without video"
-cargo build --profile demo-build -p tunenet-cli --no-default-features
+if [[ -z "${TOOL:-}" ]]; then
+    # A build that optimises less takes two thirds of the time, and what is shown here runs for seconds.
+    say "Building tunenet without video"
+    cargo build --profile demo-build -p tunenet-cli --no-default-features
+fi
 # Files written by an older version may not be recognised as tunenet's.
 rm -rf "$out"
 mkdir -p "$out"
