@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::findings;
 use crate::sheet::{Sheet, most_common_rows};
+use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::{FEWEST_SAMPLES, Note};
 use tunenet_core::text::visible;
@@ -52,8 +53,9 @@ pub(crate) fn sheet(path: &Path, mut arrays: Vec<(String, Array)>, mut refused: 
         let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none{why}");
         return Err(Error::file(path, message, "save the series as arrays of numbers"));
     };
-    let other =
-        |(name, array): &(String, Array)| (array.rows != rows).then(|| format!("`{name}`: {} rows", array.rows));
+    let other = |(name, array): &(String, Array)| {
+        (array.rows != rows).then(|| format!("`{name}`: {}", counted(array.rows, "row")))
+    };
     refused.extend(arrays.iter().filter_map(other));
     arrays.retain(|(_, array)| array.rows == rows);
     let notes = left_out(&refused, rows).into_iter().collect();

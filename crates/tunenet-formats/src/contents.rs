@@ -17,7 +17,7 @@ use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
 use crate::source::unchanged;
 use crate::{Episodes, Error, Result};
-use tunenet_core::observation::{Kind, Note};
+use tunenet_core::observation::{Channel, Kind, Note, plain};
 use tunenet_core::statistics::median;
 
 /// What is in a file.
@@ -74,6 +74,8 @@ pub struct Table {
     pub broken_count: usize,
     /// What was noticed.
     pub notes: Vec<Note>,
+    /// The channels that it is read on, where its columns are those of a simulation of one's own.
+    pub channels: Vec<Channel>,
 }
 
 /// What is in a log.
@@ -130,6 +132,21 @@ fn folder(path: &Path, options: &ReadOptions) -> Result<Contents> {
 }
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
+    let found = once(path, options)?;
+    let channels = match &found {
+        Contents::Table(table) if options.channels.is_empty() => table.own_channels(&options.columns),
+        _ => Vec::new(),
+    };
+    if channels.is_empty() {
+        return Ok(found);
+    }
+    Ok(match once(path, &ReadOptions { channels: channels.clone(), ..options.clone() })? {
+        Contents::Table(table) => Contents::Table(Table { channels, ..table }),
+        other => other,
+    })
+}
+
+fn once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     match format(path)? {
         Format::Hdf5 => others::listing(&Place::of(path), options).map(Contents::Episodes),
         Format::Csv => table(path, options).map(Contents::Table),
@@ -180,7 +197,31 @@ impl Table {
             broken: Vec::new(),
             broken_count: 0,
             notes: Vec::new(),
+            channels: Vec::new(),
         }
+    }
+
+    /// Of a table with a clock and nothing else that is known by its name, the columns that have a unit, by their names or by `mapped`:
+    /// channels of a simulation of one's own.
+    fn own_channels(&self, mapped: &[(String, String)]) -> Vec<Channel> {
+        let time = Quantity::Time.header();
+        let is_clock = |column: &Column| column.read_as.as_ref() == Some(&time);
+        let others_known = self.columns.iter().any(|column| column.read_as.is_some() && !is_clock(column));
+        if self.usable.is_ok() || others_known || !self.columns.iter().any(is_clock) {
+            return Vec::new();
+        }
+        let is_time = |ours: &str| matches!(meaning(ours), Meaning::Known(Quantity::Time, _));
+        let ours = mapped.iter().filter(|(ours, _)| !is_time(ours));
+        let named = self.columns.iter().filter(|column| !is_clock(column) && !column.name.is_empty());
+        let named = named.filter(|column| mapped.iter().all(|(_, theirs)| *theirs != column.name));
+        let headers = ours.map(|(ours, _)| ours.clone()).chain(named.map(|column| column.name.clone()));
+        let mut channels: Vec<Channel> = Vec::new();
+        for channel in headers.filter_map(|header| Channel::from_header(&plain(&header))) {
+            if channel.unit != "1" && !channels.contains(&channel) {
+                channels.push(channel);
+            }
+        }
+        channels
     }
 
     /// Takes in when its samples were.

@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 
 #[cfg(feature = "logs")]
 use crate::format::is_hdf5;
+use crate::joint_words::unit_of_name;
 use crate::numbered;
 use crate::place::Place;
 #[cfg(feature = "logs")]
 use crate::place::is_data_set;
-#[cfg(feature = "logs")]
 use crate::proposal::proposal;
 use crate::shown::list;
-#[cfg(feature = "logs")]
 use crate::units::{self, Calibrated, UnitRule};
 use crate::{Error, Result};
 use tunenet_core::observation::Note;
@@ -62,7 +61,6 @@ pub struct EpisodeColumn {
     pub range: Option<(f64, f64)>,
 }
 
-#[cfg(feature = "logs")]
 impl EpisodeColumn {
     /// A column by its readings, with the unit that one of `rules` states.
     pub(crate) fn of(name: &str, readings: &[f64], rules: &[UnitRule]) -> Self {
@@ -74,10 +72,12 @@ impl EpisodeColumn {
             factor if calibrated.is_some() => format!("{factor:.6}{}", rule.unit),
             factor => format!("{factor}{}", rule.unit),
         });
+        let unit = unit.or_else(|| unit_of_name(name).map(str::to_owned));
         let why = match calibrated {
             Some(Calibrated { counts, within: (low, high), .. }) => {
                 format!("the calibration file: {low} to {high} are {counts} counts")
             }
+            None if rule.is_none() && unit.is_some() => "its name".into(),
             None => found.why,
         };
         let finite = || readings.iter().copied().filter(|v| v.is_finite());

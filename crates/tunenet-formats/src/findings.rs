@@ -87,6 +87,12 @@ finding_kinds! {
     warning EPISODES_MISSING = "episodes.missing",
         "not all of the episodes that a data set lists are there",
         "download the others where they are needed";
+    warning FRAMES_DIFFER = "frames.differ",
+        "an episode has another number of frames than its data set lists",
+        "download `meta` and `data` of one version";
+    warning COLUMNS_NUMBERED = "columns.numbered",
+        "names of a data set's numbers occur twice: they are numbered instead",
+        "correct `names` in `meta/info.json`";
     warning FILES_MISSING = "files.missing",
         "the numbers of a recording's files have a gap",
         "copy the whole folder, with its metadata.yaml";

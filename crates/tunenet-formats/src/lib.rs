@@ -15,6 +15,7 @@
 //! | `log` | files of a log, topics of a log, and the series of one of them |
 //! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
 //! | `hdf5`, `npz`, `mat`, `arrays` | demonstrations in HDF5; arrays of NumPy, variables of MATLAB, and the columns that they make |
+//! | `joint_words`, `named_columns` | what the name of a column says of a joint; the columns of any recording |
 //! | `place`, `episodes`, `numbered` | where a recording stands, recordings in several episodes, and their names |
 //! | `kept` | what was read last of files that have not changed |
 //! | `units`, `unstated`, `proposal`, `calibration`, `unit_misfit` | units of columns whose file states none |
@@ -46,6 +47,7 @@ mod format;
 #[cfg(feature = "logs")]
 mod hdf5;
 mod inputs;
+mod joint_words;
 #[cfg(feature = "logs")]
 mod kept;
 #[cfg(feature = "logs")]
@@ -55,6 +57,7 @@ mod log;
 mod mat;
 mod mcap;
 mod model;
+mod named_columns;
 #[cfg(feature = "logs")]
 mod npz;
 mod numbered;
@@ -62,7 +65,6 @@ mod others;
 #[cfg(feature = "logs")]
 mod parquet;
 mod place;
-#[cfg(feature = "logs")]
 mod proposal;
 mod quantity;
 mod ranges;
@@ -92,11 +94,13 @@ pub use encoding::read_text;
 pub use episodes::{EpisodeColumn, EpisodeLength, Episodes, Selection, episodes, is_episode};
 pub use error::{Error, Result};
 pub use inputs::{InputSource, NotedInput, read_if_there, read_input, read_start, under_inputs};
+pub use joint_words::{JointQuantity, OfJoint, is_of_commands, of_joint, unit_of_name};
 pub use log::topics::Topic;
 pub use mcap::pictures;
 pub use mcap::trajectory::{JointPoint, write_approach};
 pub use mcap::write::write_mcap;
 pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_file};
+pub use named_columns::{NamedColumn, suggested_units};
 pub use quantity::kind_name;
 pub use read::{files_of, read, refuse_unused_options};
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording, Role};

@@ -31,6 +31,7 @@ pub struct Proposal {
 }
 
 /// The smallest step between these readings of one channel, where they lie on the lattice of an encoder.
+#[cfg(feature = "logs")]
 pub(crate) fn encoder_step(readings: &[f64]) -> Option<f64> {
     let different = different(readings);
     let way = different.last()? - different.first()?;

@@ -90,7 +90,7 @@ impl Sheet {
         } else {
             own_columns::layout(&header, options)
         };
-        made.map_err(|error| without_line(path, error))
+        made.map_err(|error| with_left_out(without_line(path, error), &self.notes))
     }
 
     /// The observation that its columns make.
@@ -114,6 +114,17 @@ fn without_line(path: &Path, error: Error) -> Error {
     match error {
         Error::Text { message, hint, .. } => Error::file(path, message, hint),
         other => other,
+    }
+}
+
+/// An error of columns, with what the file holds and the columns do not.
+fn with_left_out(error: Error, notes: &[Note]) -> Error {
+    let left_out = notes.iter().find(|note| note.kind == findings::COLUMNS_IGNORED);
+    match (error, left_out) {
+        (Error::File { path, message, hint }, Some(note)) => {
+            Error::file(path, format!("{message}; {}", note.text), hint)
+        }
+        (other, _) => other,
     }
 }
 
@@ -176,7 +187,8 @@ impl Taken {
         let rows = sheet.rows();
         let mut notes = std::mem::take(&mut layout.notes);
         if let (count @ 1.., first) = self.missing {
-            let text = format!("{} left out for a missing number, the first in row {first}", counted(count, "row"));
+            let rows = counted(count, "row");
+            let text = format!("{rows} left out for a number that is missing or not finite, the first in row {first}");
             notes.push(Note::new(findings::ROWS_EMPTY_CELL, text, ""));
         }
         if self.same > 0 {

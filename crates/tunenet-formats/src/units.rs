@@ -74,7 +74,6 @@ impl UnitRule {
 pub(crate) const ACTION: &str = "action.";
 
 /// The rule about a column of this name: the last that fits.
-#[cfg(feature = "logs")]
 pub(crate) fn rule<'a>(rules: &'a [UnitRule], name: &str) -> Option<&'a UnitRule> {
     rules.iter().rev().find(|rule| rule.is_about(name))
 }

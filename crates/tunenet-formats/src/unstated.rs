@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::csv::columns::{Layout, found};
 use crate::findings;
+use crate::joint_words::unit_of_name;
 use crate::proposal::proposal;
 use crate::quantity::Quantity;
 use crate::ranges::written_out;
@@ -54,7 +55,8 @@ impl Unstated {
                 Some((_, unit)) if unit != PLAIN && !named(name) && !mapped.contains(&at) => format!("{name}_{unit}"),
                 _ => name.clone(),
             });
-            factors.push(rule.map(|(factor, _)| factor));
+            // A name that ends in a unit states it.
+            factors.push(rule.map(|(factor, _)| factor).or(unit_of_name(name).map(|_| 1.0)));
             rules.push(units::rule(&options.units, name).cloned());
         }
         let converted = |theirs: &str| {
@@ -69,11 +71,18 @@ impl Unstated {
         Ok(Self { clock: clock.to_owned(), names: names.to_vec(), headers, factors, rules, options })
     }
 
-    /// What the columns with this clock make; `values` are their numbers as the file has them, row by row.
+    /// What the columns with this clock make; `values` are their numbers as the file has them, row by row, and `left_out` says what else it
+    /// holds.
     ///
     /// # Errors
     /// [`Error::File`] with the flag to add where a column is asked for whose unit is not stated.
-    pub fn recording(&self, path: &Path, clock: Vec<f64>, mut values: Vec<f64>) -> Result<Recording> {
+    pub fn recording(
+        &self,
+        path: &Path,
+        clock: Vec<f64>,
+        mut values: Vec<f64>,
+        left_out: Option<Note>,
+    ) -> Result<Recording> {
         self.refuse_others(path, &values)?;
         let factors: Vec<(usize, f64)> = self
             .factors
@@ -87,7 +96,7 @@ impl Unstated {
             }
         }
         let names = std::iter::once(&self.clock).chain(&self.headers).cloned().collect();
-        let sheet = &Sheet { names, clock, values, ..Sheet::default() };
+        let sheet = &Sheet { names, clock, values, notes: left_out.into_iter().collect(), ..Sheet::default() };
         let made = sheet.layout(path, &self.options);
         let asked: Vec<usize> = match &made {
             // The first column is the clock.
@@ -195,7 +204,7 @@ mod tests {
         let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
         let units = units.split(',').map(|rule| UnitRule::parse(rule).unwrap()).collect();
         let unstated = Unstated::of("t_s", &names, &ReadOptions { columns, units, ..ReadOptions::default() })?;
-        let found = unstated.recording(Path::new("a"), vec![0.0, 1.0, 2.0], vec![180.0; 6])?;
+        let found = unstated.recording(Path::new("a"), vec![0.0, 1.0, 2.0], vec![180.0; 6], None)?;
         Ok(found.observation.row(0).to_vec())
     }
 
@@ -213,6 +222,24 @@ mod tests {
     }
 
     #[test]
+    fn a_name_that_ends_in_a_unit_states_it() {
+        let columns = vec![("q1_rad".into(), "elbow_deg".into())];
+        let channels = vec![Channel::new("elbow", "rad")];
+        let names = ["elbow_deg".to_owned()];
+        let found = |options: ReadOptions| {
+            let unstated = Unstated::of("t_s", &names, &options).unwrap();
+            unstated
+                .recording(Path::new("a"), vec![0.0, 1.0, 2.0], vec![180.0; 3], None)
+                .unwrap()
+                .observation
+                .row(0)
+                .to_vec()
+        };
+        assert_eq!(found(ReadOptions { channels, ..ReadOptions::default() }), [std::f64::consts::PI]);
+        assert_eq!(found(ReadOptions { columns, ..ReadOptions::default() }), [180.0], "what `--columns` says counts");
+    }
+
+    #[test]
     fn a_plain_number_has_the_unit_of_its_mapping() {
         assert_eq!(read("1", &[("q1_deg", "a0")]).unwrap(), [std::f64::consts::PI]);
         assert_eq!(read("1", &[("q1_rad", "a0")]).unwrap(), [180.0]);
@@ -227,7 +254,7 @@ mod tests {
         let options = ReadOptions { columns, units: vec![rule, other], ..ReadOptions::default() };
         let unstated = Unstated::of("t_s", &["a0".to_owned()], &options)?;
         let values: Vec<f64> = (0..200).map(|i| middle + step * f64::from((i * i * 7 + i * 3) % 311 - 155)).collect();
-        unstated.recording(Path::new("a"), (0..200).map(f64::from).collect(), values)
+        unstated.recording(Path::new("a"), (0..200).map(f64::from).collect(), values, None)
     }
 
     #[test]

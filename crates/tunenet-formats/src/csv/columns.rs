@@ -135,9 +135,25 @@ impl Header<'_> {
                 format!("`{}` has no sign: expected a column without `-`, found `{theirs}`", quantity.header()),
                 "leave the `-` out",
             ),
-            Some(column) => Ok(column),
+            Some((column, sign)) => self.refuse_twice(column).map(|()| (column, sign)),
             None => self.refuse(None, format!("`{theirs}` is not a column: found {}", self.found()), remedy()),
         }
+    }
+
+    /// Refuses a column that is used and has a name that another one has as well.
+    ///
+    /// # Errors
+    /// [`Error::Text`] with the other one.
+    pub fn refuse_twice(&self, column: usize) -> Result<()> {
+        let cells = self.cells();
+        let name = cells[column].text;
+        let same = |(at, cell): &(usize, &Cell<'_>)| *at != column && cell.text == name;
+        let Some((other, _)) = cells.iter().enumerate().find(same).filter(|_| self.named && !name.is_empty()) else {
+            return Ok(());
+        };
+        let (first, second) = (column.min(other) + 1, column.max(other) + 1);
+        let message = format!("expected one column `{name}`, found two: columns {first} and {second}");
+        self.refuse(Some(other), message, "rename one of them, or leave it out")
     }
 
     /// What is there, for a person.

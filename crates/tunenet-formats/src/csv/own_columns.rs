@@ -47,22 +47,29 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
     };
     if header.named {
         let by_hand: Vec<usize> = clock.iter().chain(values.iter().flatten()).map(|source| source.column).collect();
-        let mut ignored = Vec::new();
+        let (mut ignored, mut repeated) = (Vec::new(), Vec::new());
         for (column, cell) in cells.iter().enumerate().filter(|(i, cell)| !by_hand.contains(i) && !cell.text.is_empty())
         {
             match asked(cell.text, channels) {
-                // The first column of a name counts, and one that was mapped by hand before it.
+                // The first column counts, and one that was mapped by hand before it.
                 Some((quantity, scale)) => {
-                    place(quantity, &mut clock, &mut values).get_or_insert(Source {
-                        column,
-                        scale,
-                        quantity,
-                        sign: Sign::Kept,
-                    });
+                    let place = place(quantity, &mut clock, &mut values);
+                    match place {
+                        Some(other) if by_hand.contains(&other.column) => {}
+                        Some(_) => repeated.push(cell.text),
+                        None => {
+                            header.refuse_twice(column)?;
+                            *place = Some(Source { column, scale, quantity, sign: Sign::Kept });
+                        }
+                    }
                 }
                 None if of_input(cell.text) || is_mapped(column, cell.text) => {}
                 None => ignored.push(cell.text),
             }
+        }
+        if !repeated.is_empty() {
+            let text = format!("columns that repeat a quantity are ignored: {}", list(repeated, 12));
+            notes.push(Note::new(findings::COLUMNS_REPEATED, text, "choose with `--columns`"));
         }
         // Reading what is predicted says so already.
         if !ignored.is_empty() && *role == Role::Predicted {
@@ -282,7 +289,7 @@ fn stem<'a>(ours: &'a str, channels: &'a [Channel]) -> &'a str {
 }
 
 /// `ours` in the unit that the name of the column ends in, where that is read: `angle_rad` is `angle_deg` for `theta_deg`.
-fn in_unit_of(theirs: &str, ours: String, channels: &[Channel]) -> String {
+pub(crate) fn in_unit_of(theirs: &str, ours: String, channels: &[Channel]) -> String {
     let theirs = plain(theirs);
     let ending = |unit: &&str| theirs.ends_with(&format!("_{unit}"));
     let units = units_of(&ours, channels).iter().filter(|(_, scale)| *scale != Scale::Keep);

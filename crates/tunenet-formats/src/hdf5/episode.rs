@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::Demonstrations;
 use super::actions::not_joints;
-use super::tree::{Array, Columns};
+use super::tree::{Array, Columns, arrays_and_others};
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording};
@@ -21,6 +21,11 @@ const TIMES: [&str; 5] = ["timestamp", "timestamps", "time", "times", "t"];
 pub(super) fn is_clock(name: &str, options: &ReadOptions) -> bool {
     let is_time = |name: &str| matches!(meaning(name), Meaning::Known(Quantity::Time, _));
     is_time(name) || options.columns.iter().any(|(ours, theirs)| is_time(ours) && theirs == name)
+}
+
+/// Whether a column is called as times are, without their unit.
+pub(super) fn is_named_after_time(name: &str) -> bool {
+    TIMES.contains(&name.rsplit('.').next().unwrap_or_default())
 }
 
 /// The clock of so many rows at this rate, and what it is called.
@@ -51,7 +56,7 @@ impl Demonstrations {
         let unstated = Unstated::of(&clock.0, &columns.names, options)?;
         let uses_actions = options.columns.iter().any(|(_, theirs)| theirs.contains("action"));
         let actions = uses_actions.then(|| not_joints(&columns, &self.environment)).flatten();
-        let found = unstated.recording(path, clock.1, columns.values)?;
+        let found = unstated.recording(path, clock.1, columns.values, columns.left_out)?;
         let mut notes: Vec<Note> = note.into_iter().collect();
         notes.extend(actions);
         notes.extend(found.notes);
@@ -60,10 +65,10 @@ impl Demonstrations {
 
     /// The columns of a group; those that are clocks stand apart.
     pub(super) fn columns(&self, group: &str, is_clock: &dyn Fn(&str) -> bool) -> Result<Columns> {
-        let arrays = self.arrays(group)?;
+        let (arrays, left_out) = arrays_and_others(&self.path, &self.file, group)?;
         let names: Vec<String> = arrays.iter().flat_map(Array::column_names).filter(|name| !is_clock(name)).collect();
         let (width, rows) = (names.len(), arrays.first().map_or(0, |array| array.rows));
-        let mut all = Columns { names, values: vec![0.0; rows * width], rows, clocks: Vec::new() };
+        let mut all = Columns { names, values: vec![0.0; rows * width], rows, clocks: Vec::new(), left_out };
         let mut at = 0;
         for array in arrays {
             let numbers = array.numbers(&self.path)?;
@@ -91,7 +96,7 @@ impl Demonstrations {
 
     /// That an episode has no time base, and what to type.
     fn no_clock(&self, columns: &Columns) -> Error {
-        let time = columns.names.iter().position(|name| TIMES.contains(&name.rsplit('.').next().unwrap_or_default()));
+        let time = columns.names.iter().position(|name| is_named_after_time(name));
         let Some(time) = time else {
             let message = "expected a time for each row, found no array of times and no rate in the file";
             let hint = "say how many rows a second it has, after a look at the recorder: `--rate HZ`";

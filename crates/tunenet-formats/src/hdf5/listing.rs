@@ -2,7 +2,7 @@
 
 use super::Demonstrations;
 use super::actions::not_joints;
-use super::episode::is_clock;
+use super::episode::{is_clock, is_named_after_time};
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
@@ -26,7 +26,11 @@ impl Demonstrations {
         };
         // The clock is no joint.
         let joints = first.names.iter().enumerate().filter(|(_, name)| !is_clock(name, options));
-        let columns: Vec<EpisodeColumn> = joints.map(column).collect();
+        let mut columns: Vec<EpisodeColumn> = joints.map(column).collect();
+        for times in columns.iter_mut().filter(|column| is_named_after_time(&column.name)) {
+            times.proposed = None;
+            times.why = "times by its name, in a unit that the name does not state".into();
+        }
         let mut episodes = Vec::with_capacity(self.episodes.len());
         let listed = self.episodes.iter().filter(|(_, group)| named.is_none_or(|named| named == group));
         for (i, (name, group)) in listed.enumerate() {
@@ -40,6 +44,7 @@ impl Demonstrations {
                 format!("groups without arrays are left out: {}", list(self.empty.iter().map(String::as_str), 8));
             notes.push(Note::new(findings::GROUPS_EMPTY, text, ""));
         }
+        notes.extend(first.left_out.clone());
         let rate_hz = options.rate_hz.or_else(|| self.rate());
         // Angles of a simulator are not counted by an encoder: no unit is proposed for all columns at once.
         Ok(Episodes {

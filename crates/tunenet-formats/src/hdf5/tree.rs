@@ -6,12 +6,13 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 
 use super::broken;
+use crate::findings;
 use crate::numbered::split;
 use crate::recording::MOST_NUMBERS;
 use crate::sheet::most_common_rows;
-use crate::shown::list;
+use crate::shown::{counted, list};
 use crate::{Error, Result};
-use tunenet_core::observation::FEWEST_SAMPLES;
+use tunenet_core::observation::{FEWEST_SAMPLES, Note};
 
 /// Deepest group below an episode, and most groups and arrays of a file that are looked at.
 const DEEPEST: usize = 8;
@@ -40,6 +41,8 @@ pub(super) struct Columns {
     pub rows: usize,
     /// Columns that stand apart, with their names.
     pub clocks: Vec<(String, Vec<f64>)>,
+    /// Which arrays of the episode are no columns.
+    pub left_out: Option<Note>,
 }
 
 impl Columns {
@@ -223,6 +226,11 @@ fn environment(group: &Group) -> String {
 
 /// The arrays below a group that have as many rows as most of its numbers have.
 pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>> {
+    Ok(arrays_and_others(path, file, group)?.0)
+}
+
+/// The same, and what is said of the arrays that have another number of rows.
+pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result<(Vec<Array>, Option<Note>)> {
     let top = if group == "/" { file.root() } else { file.group(group).map_err(|e| broken(path, &e))? };
     let (mut found, mut objects) = (Vec::new(), 0);
     let mut open = vec![(top, String::new(), 0)];
@@ -247,13 +255,17 @@ pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>
         }
     }
     let rows = most_common_rows(found.iter().map(|array| array.rows)).unwrap_or(0);
+    let others = found.iter().filter(|array| array.rows != rows);
+    let others: Vec<String> = others.map(|array| format!("{} ({})", array.name, counted(array.rows, "row"))).collect();
+    let text = format!("arrays without {rows} rows are left out: {}", list(others.iter().map(String::as_str), 8));
+    let note = Note::new(findings::COLUMNS_IGNORED, text, "save them with a row for each instant if they matter");
     found.retain(|array| array.rows == rows);
     found.sort_by(|a, b| a.name.cmp(&b.name));
     if found.iter().map(|array| array.rows * array.width).sum::<usize>() > MOST_NUMBERS {
         let message = format!("expected at most {MOST_NUMBERS} numbers in an episode, found more");
         return Err(Error::file(path, message, "cut the episode into shorter ones"));
     }
-    Ok(found)
+    Ok((found, (!others.is_empty()).then_some(note)))
 }
 
 /// Rows, numbers in a row, and whether it is a list; `None` for what has no row of numbers for each of three instants.

@@ -32,11 +32,13 @@ impl DataSet {
     /// # Errors
     /// [`Error::File`] where there is no such episode, its file is broken, or a column is asked for whose unit nothing states.
     pub fn read(&self, path: &Path, name: Option<&str>, options: &ReadOptions) -> Result<Recording> {
-        let frames = self.frames_of(self.episode(name)?)?;
+        let episode = self.episode(name)?;
+        let frames = self.frames_of(episode)?;
         let (clock, note) = self.clock(&frames, path)?;
         let mut notes: Vec<Note> = note.into_iter().chain(still(&frames)).collect();
+        notes.extend(other_length(episode, frames.stamps.len() as u64));
         let unstated = Unstated::of("t_s", &frames.names, options)?;
-        let found = unstated.recording(path, clock, frames.values)?;
+        let found = unstated.recording(path, clock, frames.values, None)?;
         notes.extend(found.notes);
         Ok(Recording { notes, ..found })
     }
@@ -152,6 +154,13 @@ fn wide(table: &Parquet, group: usize, feature: &Feature, rows: Option<&Range<us
         feature.column
     );
     Err(Error::file(table.path(), message, "download `meta` and `data` of one version"))
+}
+
+/// That an episode has not as many frames as `meta` lists.
+pub(super) fn other_length(episode: &Episode, found: u64) -> Option<Note> {
+    let listed = episode.frames.filter(|listed| *listed != found)?;
+    let text = format!("`meta` lists {listed} frames of episode {}, found {found}", episode.number);
+    Some(Note::new(findings::FRAMES_DIFFER, text, "download `meta` and `data` of one version"))
 }
 
 /// That states do not change, where some do not.

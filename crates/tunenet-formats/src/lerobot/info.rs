@@ -51,6 +51,8 @@ pub(crate) struct Feature {
     pub column: String,
     /// What each of its numbers is called here: `elbow`, `action.elbow`, `velocity.elbow`.
     pub names: Vec<String>,
+    /// A name that occurs twice in the data set, for which numbers stand among [`names`](Self::names).
+    pub twice: Option<String>,
 }
 
 impl Info {
@@ -138,7 +140,7 @@ fn feature(column: &str, about: &Value) -> Option<Feature> {
         "observation.state" => "",
         other => other.strip_prefix("observation.").unwrap_or(other),
     };
-    let parts = parts(about.get("names"), width);
+    let (parts, twice) = parts(about.get("names"), width);
     let named = |part: String| match (prefix, width) {
         ("", _) => part,
         (prefix, 1) if part == "0" => prefix.to_owned(),
@@ -147,12 +149,13 @@ fn feature(column: &str, about: &Value) -> Option<Feature> {
     let names = parts.into_iter().map(|part| {
         if prefix.is_empty() && part.parse::<u32>().is_ok() { format!("state.{part}") } else { named(part) }
     });
-    Some(Feature { column: column.to_owned(), names: names.collect() })
+    Some(Feature { column: column.to_owned(), names: names.collect(), twice })
 }
 
 /// The names of a feature's numbers: from a list, from a list in a list, or from a table of one (`{"motors": […]}`) or of names and
 /// places (`{"elbow.pos": 0}`); their numbers from 0 where these are not as many. What all of them end in, such as `.pos`, is left out.
-fn parts(names: Option<&Value>, width: usize) -> Vec<String> {
+/// The second value is a name that occurs twice, for which numbers are used.
+fn parts(names: Option<&Value>, width: usize) -> (Vec<String>, Option<String>) {
     let numbered = || (0..width).map(|i| i.to_string()).collect();
     let texts = |list: &Vec<Value>| list.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<String>>>();
     let found = match names {
@@ -172,10 +175,10 @@ fn parts(names: Option<&Value>, width: usize) -> Vec<String> {
         }
         _ => None,
     };
-    let Some(mut found) = found.filter(|found| found.len() == width) else { return numbered() };
-    let distinct = (0..width).all(|i| !found[i].is_empty() && !found[..i].contains(&found[i]));
-    if !distinct {
-        return numbered();
+    let Some(mut found) = found.filter(|found| found.len() == width) else { return (numbered(), None) };
+    let twice = (0..width).find(|i| found[..*i].contains(&found[*i])).map(|i| found[i].clone());
+    if twice.is_some() || found.iter().any(String::is_empty) {
+        return (numbered(), twice);
     }
     if let Some(end) = found[0].rfind('.').map(|at| found[0][at..].to_owned())
         && found.iter().all(|name| name.len() > end.len() && name.ends_with(&end))
@@ -185,7 +188,7 @@ fn parts(names: Option<&Value>, width: usize) -> Vec<String> {
             found = cut;
         }
     }
-    found
+    (found, None)
 }
 
 #[cfg(test)]
@@ -197,13 +200,14 @@ mod tests {
     fn names_are_read_in_every_form() {
         let list = json!(["a.pos", "b.pos"]);
         for names in [list.clone(), json!([["a", "b"]]), json!({"motors": ["a", "b"]}), json!({"b": 1, "a": 0})] {
-            assert_eq!(parts(Some(&names), 2), ["a", "b"], "{names}");
+            assert_eq!(parts(Some(&names), 2).0, ["a", "b"], "{names}");
         }
         for names in [Some(&json!(["a"])), Some(&json!(["a", "a"])), Some(&json!([1, 2])), None] {
-            assert_eq!(parts(names, 2), ["0", "1"]);
+            assert_eq!(parts(names, 2).0, ["0", "1"]);
         }
+        assert_eq!(parts(Some(&json!(["a", "a"])), 2).1.as_deref(), Some("a"));
         let mixed = json!(["a.pos", "a.vel"]);
-        assert_eq!(parts(Some(&mixed), 2), ["a.pos", "a.vel"]);
+        assert_eq!(parts(Some(&mixed), 2).0, ["a.pos", "a.vel"]);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What a data set says of itself, and the units that its numbers suggest.
 
 use super::DataSet;
+use super::episode::other_length;
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
@@ -10,6 +11,7 @@ use crate::shown::{counted, list};
 use crate::unit_misfit::note_misfit;
 use crate::units::{self, ACTION};
 use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
 
 /// How many frames are looked at for the units: a few episodes.
 const LOOKED_AT: usize = 20_000;
@@ -32,8 +34,10 @@ impl DataSet {
             Some(one) => std::slice::from_ref(self.episode(Some(one))?),
             None => self.index.episodes.as_slice(),
         };
+        let mut lengths: Vec<Note> = Vec::new();
         for episode in listed.iter().take(MOST_READ) {
             let frames = self.frames_of(episode)?;
+            lengths.extend(other_length(episode, frames.stamps.len() as u64));
             names = frames.names;
             let left = LOOKED_AT * names.len() - values.len();
             values.extend_from_slice(&frames.values[..frames.values.len().min(left)]);
@@ -66,8 +70,28 @@ impl DataSet {
             episodes: listed.iter().map(length).collect(),
             columns,
             units,
-            notes: self.missing().filter(|_| name.is_none()).into_iter().chain(misfits).collect(),
+            notes: self
+                .missing()
+                .filter(|_| name.is_none())
+                .into_iter()
+                .chain(self.numbered())
+                .chain(lengths)
+                .chain(misfits)
+                .collect(),
         })
+    }
+
+    /// That names of its numbers occur twice, and do not stand for them.
+    fn numbered(&self) -> Option<Note> {
+        let twice = self.info.features.iter().filter(|feature| feature.twice.is_some());
+        let twice: Vec<String> = twice
+            .map(|feature| {
+                format!("`{}` ({})", visible(&feature.column), visible(feature.twice.as_deref().unwrap_or("")))
+            })
+            .collect();
+        let text = format!("names occur twice, and numbers replace them: {}", twice.join(", "));
+        let note = Note::new(findings::COLUMNS_NUMBERED, text, "correct `names` in `meta/info.json`");
+        (!twice.is_empty()).then_some(note)
     }
 
     /// That not all of the episodes that it says it has are there.
@@ -83,8 +107,9 @@ impl DataSet {
         let remedy = if self.index.pointers.is_empty() {
             "download the other files of `data` where they are needed".to_owned()
         } else {
-            let files = counted(self.index.pointers.len(), "file");
-            format!("run `git lfs pull` in its repository: {files} of `data` were not downloaded")
+            let (count, were) =
+                (self.index.pointers.len(), if self.index.pointers.len() == 1 { "was" } else { "were" });
+            format!("run `git lfs pull` in its repository: {} of `data` {were} not downloaded", counted(count, "file"))
         };
         Some(Note::new(findings::EPISODES_MISSING, text, &remedy))
     }

@@ -4,7 +4,7 @@
 
 mod array;
 
-use std::io::{BufReader, Read as _};
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
 use flate2::read::DeflateDecoder;
@@ -14,7 +14,7 @@ use crate::arrays::{Array, sheet};
 use crate::recording::MOST_NUMBERS;
 use crate::sheet::Sheet;
 use crate::source::open;
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// The mark at the start of an array.
 const MARK: &[u8] = b"\x93NUMPY";
@@ -52,6 +52,10 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
     if archive.len() > MOST_ARRAYS {
         return Err(broken(format!("expected at most {MOST_ARRAYS} arrays, found {}", archive.len())));
     }
+    if let Some(listed) = listed(path)?.filter(|listed| *listed > archive.len()) {
+        let message = format!("expected arrays of different names, found {listed} arrays of {} names", archive.len());
+        return Err(Error::file(path, message, "save every array under a name of its own"));
+    }
     let (mut arrays, mut refused): (Vec<(String, Array)>, Vec<String>) = (Vec::new(), Vec::new());
     let mut total = 0;
     for number in 0..archive.len() {
@@ -76,6 +80,24 @@ pub(crate) fn several(path: &Path) -> Result<Sheet> {
         }
     }
     sheet(path, arrays, refused)
+}
+
+/// How many members the end of an archive lists: the crate keeps one of each name. `None` where no end says it.
+///
+/// Source: APPNOTE.TXT of ZIP, "end of central directory record".
+fn listed(path: &Path) -> Result<Option<usize>> {
+    const END: &[u8] = b"PK\x05\x06";
+    const LONGEST_END: u64 = 22 + u16::MAX as u64;
+    let failed = |e| Error::io(path, Action::Reading, e);
+    let mut file = open(path)?;
+    let length = file.seek(SeekFrom::End(0)).map_err(failed)?;
+    file.seek(SeekFrom::Start(length.saturating_sub(LONGEST_END))).map_err(failed)?;
+    let mut end = Vec::new();
+    file.read_to_end(&mut end).map_err(failed)?;
+    let at = end.windows(END.len()).rposition(|bytes| bytes == END);
+    let count = at.and_then(|at| end.get(at + 10..at + 12)).map(|count| u16::from_le_bytes([count[0], count[1]]));
+    // A larger archive has its count in another place.
+    Ok(count.filter(|count| *count != u16::MAX).map(usize::from))
 }
 
 #[cfg(test)]

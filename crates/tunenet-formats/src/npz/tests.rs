@@ -56,9 +56,43 @@ fn arrays_by_name_read_as_the_columns_of_a_text_do() {
     let left_out = found.notes.pop().unwrap().text;
     assert_eq!(
         left_out,
-        "arrays that are no columns of numbers with 3 rows: `note`: expected numbers, found the type `<U4`; `other`: 1 rows"
+        "arrays that are no columns of numbers with 3 rows: `note`: expected numbers, found the type `<U4`; `other`: 1 row"
     );
     assert_eq!(found, expected);
+}
+
+/// The crate that unpacks keeps the last member of a name.
+#[test]
+fn arrays_of_one_name_are_refused() {
+    let column = |values: [f64; 3]| array("'<f8'", false, "(3,)", &doubles(&values));
+    let mut bytes =
+        archive(&[("t_s.npy", column([0.0, 1.0, 2.0])), ("z_m.npy", column([1.0; 3])), ("z_n.npy", column([2.0; 3]))]);
+    for at in 0..bytes.len() - 7 {
+        if &bytes[at..at + 7] == b"z_n.npy" {
+            bytes[at + 2] = b'm';
+        }
+    }
+    let (_folder, path) = file("a.npz", bytes);
+    let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
+    assert_eq!(message, "a.npz: expected arrays of different names, found 3 arrays of 2 names");
+}
+
+/// Why an array is no column is said where it is missing, too.
+#[test]
+fn a_missing_column_is_named_with_what_the_file_holds_of_it() {
+    let bytes = archive(&[
+        ("t_s.npy", array("'<f8'", false, "(3,)", &doubles(&[0.0, 1.0, 2.0]))),
+        ("x_m.npy", array("'<f8'", false, "(3,)", &doubles(&[0.0, 1.0, 2.0]))),
+        ("z_m.npy", array("'<f8'", false, "(4,)", &doubles(&[0.0, 1.0, 2.0, 3.0]))),
+    ]);
+    let (_folder, path) = file("a.npz", bytes);
+    let channels = vec![tunenet_core::observation::Channel::new("z", "m")];
+    let refused = read(&path, &ReadOptions { channels, ..ReadOptions::default() }).unwrap_err();
+    let (message, _) = error_text(&refused);
+    assert!(
+        message.contains("expected a column `z_m`") && message.ends_with("with 3 rows: `z_m`: 4 rows"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use tunenet_ball::preflight::Expected;
-use tunenet_formats::{ReadOptions, Recording};
+use tunenet_core::observation::Channel;
+use tunenet_formats::{ReadOptions, Recording, read};
 use tunenet_sim::{SimulationFile, declared};
 
 use crate::args::Inspect;
@@ -37,4 +38,10 @@ pub fn recording(path: &Path, options: &Inspect, sim: Option<&SimulationFile>) -
         Some(sim) => load::of_channels(sim, 0, path, &options.reading.numbers, load::MOST_SAMPLES),
         None => load::recording(path, &options.reading),
     }
+}
+
+/// The recording in a table whose columns are these channels of a simulation of one's own.
+pub fn on_channels(path: &Path, options: &Inspect, channels: Vec<Channel>) -> Result<Recording> {
+    let reading = load::reading(&options.reading.numbers)?;
+    load::thinned(read(path, &ReadOptions { channels, ..reading })?)
 }

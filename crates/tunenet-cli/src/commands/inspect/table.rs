@@ -6,7 +6,7 @@ use tunenet_core::observation::Channel;
 use tunenet_formats::Table;
 use tunenet_sim::SimulationFile;
 
-use super::reading::{expected, recording};
+use super::reading::{expected, on_channels, recording};
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
@@ -25,7 +25,11 @@ pub fn look(
     let mapped = !options.reading.numbers.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()).map_err(|reason| (reason, None)) };
     let refused = |error: anyhow::Error| (sentence(&error), hint(&error).map(str::to_owned));
-    let read = readable.and_then(|()| recording(path, options, sim).map_err(refused));
+    let recorded = || match found.channels.as_slice() {
+        [] => recording(path, options, sim),
+        channels => on_channels(path, options, channels.to_vec()),
+    };
+    let read = readable.and_then(|()| recorded().map_err(refused));
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
     let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation, expected(sim)));

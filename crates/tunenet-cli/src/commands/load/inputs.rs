@@ -18,6 +18,7 @@ pub fn sources(file: &SimulationFile) -> Vec<(InputSource, &scene::Input)> {
         };
         InputSource {
             name: name.to_owned(),
+            joint: commanded_joint(file, name, &channel),
             channel,
             column: input.column.clone(),
             topic: input.topic.clone(),
@@ -27,6 +28,13 @@ pub fn sources(file: &SimulationFile) -> Vec<(InputSource, &scene::Input)> {
         }
     };
     file.inputs().map(|(name, input)| (one((name, input)), input)).collect()
+}
+
+/// The joint that an input commands, with the unit of what is commanded; `None` where it commands none.
+fn commanded_joint(file: &SimulationFile, name: &str, channel: &Channel) -> Option<Channel> {
+    let robot = file.robot().ok()?;
+    let (joint, _) = robot.joints.iter().find(|(_, joint)| joint.command == name)?;
+    Some(Channel::new(joint.clone(), channel.unit.clone()))
 }
 
 /// The channels of the inputs that stand in the recording itself.

@@ -26,10 +26,10 @@ use crate::files::hash;
 pub use driven::Driven;
 pub use input_files::{own_files, own_files_of};
 pub use joints::{attach_reference, lacks, left_out};
-pub use options::reading;
+pub use options::{definitions, reading};
 pub use recording::{of_channels, recording, recording_of};
 pub use setups::Setups;
-pub use thinned::MOST_SAMPLES;
+pub use thinned::{MOST_SAMPLES, thinned};
 
 /// A simulation file with its overrides.
 pub fn simulation(options: &Simulation) -> Result<SimulationFile> {

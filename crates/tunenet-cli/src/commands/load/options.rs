@@ -1,6 +1,6 @@
 //! The command line's say in how files are read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_formats::{ReadOptions, read_calibration, read_text};
@@ -19,11 +19,19 @@ pub fn reading(reading: &Numbers) -> Result<ReadOptions> {
         columns: reading.columns.clone(),
         topic: reading.topic.clone(),
         skip_broken: reading.skip_broken,
-        definitions: reading.definitions.iter().map(|path| definition(path)).collect::<Result<_>>()?,
+        definitions: definitions(&reading.definitions)?,
         units,
         rate_hz: reading.rate_hz,
         ..ReadOptions::default()
     })
+}
+
+/// The definitions of messages in these files.
+///
+/// # Errors
+/// Where one cannot be read.
+pub fn definitions(paths: &[PathBuf]) -> Result<Vec<(String, String)>> {
+    paths.iter().map(|path| definition(path)).collect()
 }
 
 /// The name of a message's type, which its file is called after, and its fields.

@@ -13,7 +13,7 @@ use super::inputs;
 use super::joints::log;
 use super::options::reading as read_options;
 use super::read_inputs::attach;
-use super::thinned::{MOST_SAMPLES, at_most};
+use super::thinned::{at_most, thinned};
 use super::video::positions;
 use crate::args::{Numbers, Reading};
 use crate::commands::video;
@@ -21,7 +21,7 @@ use crate::files::videos::is_video;
 
 /// A recording from a file of numbers, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    at_most(MOST_SAMPLES, read(path, &read_options(&reading.numbers)?)?)
+    thinned(read(path, &read_options(&reading.numbers)?)?)
 }
 
 /// A recording of what `file` simulates in this setup, from a file of numbers or a video, with at most so many samples.

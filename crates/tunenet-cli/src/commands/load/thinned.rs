@@ -10,6 +10,11 @@ use crate::findings;
 /// cost.
 pub const MOST_SAMPLES: usize = 20_000;
 
+/// The recording with at most as many samples as are looked at.
+pub fn thinned(recording: Recording) -> Result<Recording> {
+    at_most(MOST_SAMPLES, recording)
+}
+
 /// The recording with at most so many of its samples.
 pub fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
     let samples = recording.observation.len();

@@ -88,7 +88,7 @@ fn purpose(kind: Kind) -> &'static str {
         Kind::EventTimes => "tune a ball's restitution",
         Kind::Pixels => "tune a ball's restitution, the camera found from the fall",
         Kind::Joints => "tune an arm's payload",
-        _ => "tune your own simulator",
+        _ => "tune robot joints, equations or your own simulator",
     }
 }
 
