@@ -25,6 +25,8 @@ pub struct InputSource {
     pub name: String,
     /// Its name without unit, and its unit.
     pub channel: Channel,
+    /// The joint that it commands, with the unit of what is commanded: commands have the joint's name in most logs.
+    pub joint: Option<Channel>,
     /// What the file calls it, where that is not its name.
     pub column: Option<String>,
     /// The topic of a log that holds it.
@@ -65,12 +67,17 @@ impl InputSource {
             (ours, theirs.clone())
         }));
         if mapped.is_empty() {
-            columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
+            let channels = std::slice::from_ref(&self.channel);
+            // A unit in the name of the column counts.
+            let ours = |theirs: &str| own_columns::in_unit_of(theirs, self.channel.header(), channels);
+            columns.extend(self.column(options).map(|theirs| (ours(theirs), theirs.to_owned())));
         }
-        let topic = self.topic.clone().or_else(|| options.topic.clone());
+        // What was measured stands in the topic that the command line names; commands may stand in another.
+        let by_name = self.joint.is_some() && self.column(options).is_none();
+        let topic = self.topic.clone().or_else(|| options.topic.clone().filter(|_| !by_name));
         let channels = vec![self.channel.clone()];
-        let (others, joints) = (options.channels.clone(), Vec::new());
-        ReadOptions { columns, topic, channels, others, joints, role: Role::Driving, ..options.clone() }
+        let (others, joints, commanded) = (options.channels.clone(), Vec::new(), self.joint.clone());
+        ReadOptions { columns, topic, channels, others, joints, commanded, role: Role::Driving, ..options.clone() }
     }
 
     /// Whether the file at `path` has no such column, or no such topic or channel of it.
@@ -156,8 +163,8 @@ pub fn read_if_there(path: &Path, options: &ReadOptions, channel: &Channel) -> R
 /// A channel as one looks for an input.
 fn alone(channel: &Channel) -> InputSource {
     let (name, channel) = (channel.header(), channel.clone());
-    let (column, topic, time_column, default, hold) = (None, None, None, None, Hold::Previous);
-    InputSource { name, channel, column, topic, time_column, default, hold }
+    let (joint, column, topic, time_column, default, hold) = (None, None, None, None, None, Hold::Previous);
+    InputSource { name, channel, joint, column, topic, time_column, default, hold }
 }
 
 /// Whether the recording at `path` has the input.
@@ -256,6 +263,7 @@ mod tests {
         InputSource {
             name: name.into(),
             channel,
+            joint: None,
             column: None,
             topic: None,
             time_column: None,

@@ -51,6 +51,8 @@ pub struct ReadOptions {
     /// What else of the simulator may stand in the same file, in the other role: neither looked for here, nor taken for forgotten
     /// columns.
     pub others: Vec<Channel>,
+    /// The joint that an input commands, and what of it: its commands are looked for by its name.
+    pub commanded: Option<Channel>,
     /// Topics of a log that inputs of the simulator name: none is proposed for what it predicts.
     pub input_topics: Vec<String>,
 }

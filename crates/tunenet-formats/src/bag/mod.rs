@@ -8,7 +8,7 @@
 mod database;
 mod unpacked;
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub(crate) use self::unpacked::{Unpacked, unpacked};
 use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
 use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;
-use crate::ros::wanted::Wanted;
+use crate::ros::wanted::{Wanted, first_of};
 use crate::shown::counted;
 use crate::{Error, Result};
 
@@ -44,7 +44,7 @@ pub(crate) struct Messages {
     /// Topics all of whose messages are fetched with their bytes, by their numbers in the file.
     whole: Vec<i64>,
     /// Topics whose next message is; those of later ones are not.
-    first: BTreeSet<i64>,
+    first: BTreeMap<i64, u64>,
     fetched: VecDeque<RawMessage>,
     /// Time and row of the last message that was fetched.
     last: (i64, i64),
@@ -78,10 +78,14 @@ impl Messages {
         }
         let library = database.library();
         let (whole, first) = match wanted {
-            Wanted::First => (Vec::new(), numbers.keys().copied().collect()),
+            Wanted::First => {
+                let of = |channel: &ChannelInfo| first_of(&channel.schema_name, &channel.message_encoding);
+                let first = |(id, at): (&i64, &usize)| (*id, of(&channels[*at]));
+                (Vec::new(), numbers.iter().map(first).collect())
+            }
             Wanted::Topic { .. } => {
                 let is = |(_, at): &(&i64, &usize)| wanted.all_of(&channels[**at]);
-                (numbers.iter().filter(is).map(|(id, _)| *id).collect(), BTreeSet::new())
+                (numbers.iter().filter(is).map(|(id, _)| *id).collect(), BTreeMap::new())
             }
         };
         Ok(Self {
@@ -127,7 +131,9 @@ impl Messages {
                 Err(Error::file(&path, message, "copy the recording again, or try `ros2 bag convert`"))
             };
             let mut one = None;
-            if self.first.remove(&topic) {
+            let left = self.first.get_mut(&topic).filter(|left| **left > 0);
+            if let Some(left) = left {
+                *left -= 1;
                 one = single.query([id]).map_err(broken)?.next().map_err(broken)?.map(|row| unpacked_of(row, 0));
             } else if self.whole.contains(&topic) {
                 one = Some(unpacked_of(row, 3));

@@ -45,8 +45,12 @@ pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], options: &ReadOptions
         };
     }
     let named: Vec<&Topic> = with_columns.iter().filter(|topic| columns::has_all(topic, options)).copied().collect();
-    let measured: Vec<&Topic> = named.iter().filter(|topic| !topic.is_command()).copied().collect();
-    if let ([topic], _) | (_, ([topic], Role::Predicted | Role::Starting)) = (&named[..], (&measured[..], role)) {
+    let fits = |topic: &&Topic| match role {
+        Role::Driving => options.commanded.is_some() && columns::commands(topic, options),
+        Role::Predicted | Role::Starting => !topic.is_command(),
+    };
+    let fitting: Vec<&Topic> = named.iter().copied().filter(fits).collect();
+    if let ([topic], _) | (_, [topic]) = (&named[..], &fitting[..]) {
         return Ok(topic);
     }
     match usable.as_slice() {
@@ -178,11 +182,11 @@ mod tests {
     #[test]
     fn a_topic_that_an_input_names_is_not_proposed_for_what_is_predicted() {
         let states = topic("/joint_states", "sensor_msgs/msg/JointState", 400, &["position.pan"]);
-        let commands = topic("/cmd/commands", "sensor_msgs/msg/JointState", 900, &["position.pan"]);
+        let commands = topic("/arm/joints", "sensor_msgs/msg/JointState", 900, &["position.pan"]);
         let topics = [commands, states];
         let options = ReadOptions::default();
-        assert_eq!(refused(&topics, &options).1, "try `--topic /cmd/commands`");
-        let options = ReadOptions { input_topics: vec!["/cmd/commands".into()], ..options };
+        assert_eq!(refused(&topics, &options).1, "try `--topic /arm/joints`");
+        let options = ReadOptions { input_topics: vec!["/arm/joints".into()], ..options };
         assert_eq!(refused(&topics, &options).1, "try `--topic /joint_states`");
     }
 }

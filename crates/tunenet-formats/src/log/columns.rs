@@ -4,6 +4,7 @@ use tunenet_core::observation::{Channel, plain};
 
 use super::topics::Topic;
 use crate::csv::own_columns::scale_of;
+use crate::joint_words::{self, JointQuantity, OfJoint};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Role};
 use crate::shown::list;
@@ -17,7 +18,7 @@ pub(crate) fn reading(topic: &Topic, options: &ReadOptions) -> ReadOptions {
         if columns.iter().any(|(ours, _)| scale_of(ours, channel).is_some()) {
             continue;
         }
-        let of_joint = of_joint(topic, channel);
+        let of_joint = of_joint(topic, channel).or_else(|| of_command(topic, options));
         let only = topic.columns.first().filter(|_| topic.columns.len() == 1 && options.role == Role::Driving);
         if let Some(theirs) = of_joint.or_else(|| only.cloned()) {
             columns.push((header, theirs));
@@ -26,14 +27,19 @@ pub(crate) fn reading(topic: &Topic, options: &ReadOptions) -> ReadOptions {
     ReadOptions { columns, ..options.clone() }
 }
 
-/// The column of the joint that a channel is named after: `elbow` in rad is `position.elbow`.
+/// The quantity of a joint that a channel is, and its array in a `JointState`.
+fn quantity(channel: &Channel) -> Option<(JointQuantity, &'static str)> {
+    match channel.unit.as_str() {
+        "rad" | "m" => Some((JointQuantity::Position, "position")),
+        "rad/s" | "m/s" => Some((JointQuantity::Velocity, "velocity")),
+        "N·m" | "N" => Some((JointQuantity::Effort, "effort")),
+        _ => None,
+    }
+}
+
+/// The column of the joint that a channel is named after: `elbow` in rad is `position.elbow`, or `actual.positions.elbow`.
 fn of_joint(topic: &Topic, channel: &Channel) -> Option<String> {
-    let array = match channel.unit.as_str() {
-        "rad" | "m" => "position",
-        "rad/s" | "m/s" => "velocity",
-        "N·m" | "N" => "effort",
-        _ => return None,
-    };
+    let (quantity, array) = quantity(channel)?;
     let name = format!("{array}.{}", channel.name);
     if topic.columns.contains(&name) {
         return Some(name);
@@ -43,8 +49,36 @@ fn of_joint(topic: &Topic, channel: &Channel) -> Option<String> {
         let joint = column.strip_prefix(array).and_then(|rest| rest.strip_prefix('.'));
         joint.is_some_and(|joint| plain(joint) == channel.name.to_lowercase())
     };
-    let mut meant = topic.columns.iter().filter(is_meant);
-    meant.next().filter(|_| meant.next().is_none()).cloned()
+    let by_words = |column: &&String| {
+        let found = joint_words::of_joint(column, None, &channel.name);
+        found == Some(OfJoint { quantity: Some(quantity), command: false })
+    };
+    only(topic.columns.iter().filter(is_meant)).or_else(|| only(topic.columns.iter().filter(by_words))).cloned()
+}
+
+/// The column of the commands to the joint that an input drives: `position.elbow` in a topic of commands, `desired.positions.elbow` in any.
+fn of_command(topic: &Topic, options: &ReadOptions) -> Option<String> {
+    let joint = options.commanded.as_ref().filter(|_| options.role == Role::Driving)?;
+    let (wanted, _) = quantity(joint)?;
+    let names_it = Some(topic.name.as_str()).filter(|_| topic.columns.len() == 1);
+    let named = options.topic.as_deref() == Some(topic.name.as_str());
+    let of = |column: &str| {
+        let found = joint_words::of_joint(column, names_it, &joint.name)?;
+        (found.command || topic.is_command() || named).then_some(found.quantity)
+    };
+    let stated = |column: &&String| of(column) == Some(Some(wanted));
+    let bare = |column: &&String| of(column) == Some(None);
+    only(topic.columns.iter().filter(stated)).or_else(|| only(topic.columns.iter().filter(bare))).cloned()
+}
+
+/// Whether `topic` has the commands to the joint that an input drives.
+pub(crate) fn commands(topic: &Topic, options: &ReadOptions) -> bool {
+    of_command(topic, options).is_some()
+}
+
+/// The only one there is.
+fn only<T>(mut all: impl Iterator<Item = T>) -> Option<T> {
+    all.next().filter(|_| all.next().is_none())
 }
 
 /// Whether what is asked for are columns of `topic`, rather than what its messages make by themselves.
@@ -57,8 +91,20 @@ pub(crate) fn asked(topic: &Topic, options: &ReadOptions) -> bool {
         pattern || topic.columns.iter().any(|name| name == bare)
     };
     let mapped = options.columns.iter().any(|(_, theirs)| is_column(theirs));
-    let by_joint = options.channels.iter().any(|c| of_joint(topic, c).is_some());
+    let by_joint =
+        options.channels.iter().any(|c| of_joint(topic, c).is_some()) || of_command(topic, options).is_some();
     !topic.columns.is_empty() && (topic.usable.is_err() || mapped || by_joint)
+}
+
+/// The numbers of `topic` that are asked for: a message without one of them is another program's.
+pub(crate) fn needed(topic: &Topic, options: &ReadOptions) -> Vec<String> {
+    let bare = |(_, theirs): (String, String)| theirs.strip_prefix('-').map(str::to_owned).unwrap_or(theirs);
+    let asked = reading(topic, options).columns.into_iter().map(bare);
+    let named = topic.columns.iter().filter(|name| options.channels.iter().any(|c| scale_of(name, c).is_some()));
+    let mut all: Vec<String> = asked.filter(|name| topic.columns.contains(name)).chain(named.cloned()).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// Refuses `--columns` that no message of `topic` has, where its messages make an observation by themselves.

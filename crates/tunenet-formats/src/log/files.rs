@@ -92,6 +92,17 @@ pub(crate) fn absent_parts(files: &[PathBuf]) -> Option<Note> {
         let (before, number) = text.split_at(text.len() - digits);
         number.parse::<u64>().ok().map(|number| (before.to_owned(), number))
     };
+    let unread = || {
+        let metadata = files.first()?.parent()?.join(METADATA);
+        let unread = metadata.is_file() && relative_paths(&read_text(&metadata).unwrap_or_default()).is_empty();
+        let text = format!("its {METADATA} lists no files: they follow in the order of their numbers");
+        unread.then(|| Note::new(findings::FILES_MISSING, text, "copy the whole folder, with its metadata.yaml"))
+    };
+    if files.len() > 1
+        && let Some(note) = unread()
+    {
+        return Some(note);
+    }
     let numbers = files.iter().map(of).collect::<Option<Vec<_>>>()?;
     let gap = numbers.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[1].1 > pair[0].1 + 1)?;
     let text = format!("the recording's files go from `{}{}` to `{}{}`", gap[0].0, gap[0].1, gap[1].0, gap[1].1);

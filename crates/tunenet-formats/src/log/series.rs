@@ -36,7 +36,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
         columns::refuse_unused(topic, options)?;
     }
     let files = files(path)?;
-    let mut series = Series::new(path, topic, &options.joints);
+    let needed = if as_columns { columns::needed(topic, options) } else { Vec::new() };
+    let mut series = Series::new(path, topic, &options.joints, needed);
     let mut number = 0u64;
     for message in messages(&files, &options.definitions, topic.wanted())? {
         let message = message?;
@@ -97,6 +98,10 @@ struct Series<'a> {
     topic: &'a Topic,
     /// The joints that are wanted, in their order.
     wanted: &'a [String],
+    /// The columns that are wanted, where numbers are read as columns.
+    needed: Vec<String>,
+    /// Why the first messages cannot be used: they have other joints.
+    refused: Option<String>,
     joints: Option<Joints>,
     channels: Vec<Channel>,
     kind: Option<Kind>,
@@ -122,11 +127,13 @@ struct Row {
 }
 
 impl<'a> Series<'a> {
-    fn new(path: &'a Path, topic: &'a Topic, wanted: &'a [String]) -> Self {
+    fn new(path: &'a Path, topic: &'a Topic, wanted: &'a [String], needed: Vec<String>) -> Self {
         Self {
             path,
             topic,
             wanted,
+            needed,
+            refused: None,
             joints: None,
             channels: Vec::new(),
             kind: None,
@@ -149,6 +156,10 @@ impl<'a> Series<'a> {
     /// names.
     fn add_numbers(&mut self, number: u64, mut found: Numbers, log_time: u64) -> std::result::Result<(), String> {
         self.settle(Kind::Other)?;
+        if self.names.is_empty() && !self.needed.iter().all(|name| found.names.contains(name)) {
+            self.leave_out(found.names);
+            return Ok(());
+        }
         if self.names.is_empty() {
             self.channels = found.names.iter().map(|name| Channel::new(name.clone(), "1")).collect();
             (self.names, self.layout) = (found.names, found.layout);
@@ -156,15 +167,7 @@ impl<'a> Series<'a> {
             let place = |name: &String| found.names.iter().position(|other| other == name);
             let values = self.names.iter().map(|name| found.values.get(place(name)?).copied()).collect();
             let Some(values) = values else {
-                self.other_layout += 1;
-                for name in found.names {
-                    if self.other_names.len() < MOST_NAMED
-                        && !self.names.contains(&name)
-                        && !self.other_names.contains(&name)
-                    {
-                        self.other_names.push(name);
-                    }
-                }
+                self.leave_out(found.names);
                 return Ok(());
             };
             found.values = values;
@@ -174,6 +177,17 @@ impl<'a> Series<'a> {
         let [stamp, log] = [found.stamp_ns, Some(log)].map(|time| time.and_then(|t| t.checked_add(found.after_ns)));
         self.rows.push(Row { number, stamp, log: log.unwrap_or(i64::MAX) });
         Ok(())
+    }
+
+    /// Counts a message without some of the columns.
+    fn leave_out(&mut self, names: Vec<String>) {
+        self.other_layout += 1;
+        for name in names {
+            let known = self.names.contains(&name) || self.other_names.contains(&name);
+            if self.other_names.len() < MOST_NAMED && !known {
+                self.other_names.push(name);
+            }
+        }
     }
 
     /// Settles the kind of observation by the first sample, and refuses one of another kind.
@@ -215,7 +229,16 @@ impl<'a> Series<'a> {
     /// Appends the values of a message of joints; whether it has all that the first one had.
     fn add_joints(&mut self, message: &JointMessage) -> std::result::Result<bool, String> {
         if self.joints.is_none() {
-            let joints = Joints::new(message, self.wanted)?;
+            let joints = match Joints::new(message, self.wanted) {
+                Ok(joints) => joints,
+                // Another program may publish the joints that are wanted.
+                Err(why) if self.wanted.iter().any(|name| !message.name.contains(name)) => {
+                    self.refused.get_or_insert(why);
+                    self.other_layout += 1;
+                    return Ok(false);
+                }
+                Err(why) => return Err(why),
+            };
             self.channels = joints.channels();
             self.joints = Some(joints);
         }
@@ -279,6 +302,15 @@ impl<'a> Series<'a> {
             let remedy =
                 "what several messages hold in parts cannot be read together: record a topic that has all of it";
             notes.push(Note::new(findings::MESSAGES_LAYOUT, text, if other.is_empty() { "" } else { remedy }));
+        }
+        if let Some(why) = self.refused.as_ref().filter(|_| self.joints.is_none()) {
+            return self.refuse(format!("message 1 of `{name}` cannot be used: {why}"), "");
+        }
+        if !self.needed.is_empty() && self.names.is_empty() && self.other_layout > 0 {
+            let needed = list(self.needed.iter().map(String::as_str), MOST_NAMED);
+            let text = format!("expected messages of `{name}` with {needed}, found none that has all of them");
+            let hint = "several programs publish on the topic: leave the joints of all but one out of `[joints]`";
+            return self.refuse(text, hint);
         }
         let width = self.channels.len();
         let clock = self.clock(&mut notes)?;

@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use super::files::files;
 use super::source::messages;
+use crate::joint_words::is_of_commands;
 use crate::ros::cdr::Type;
 use crate::ros::channel::{ChannelInfo, RawMessage};
 use crate::ros::joints::Joints;
 use crate::ros::message::{JointMessage, NOTHING, NUMBERS, Sample, Way};
 use crate::ros::schema::{Given, Unread};
-use crate::ros::wanted::Wanted;
+use crate::ros::wanted::{Wanted, first_of};
 use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::Kind;
@@ -34,7 +35,7 @@ pub struct Topic {
     pub span_ns: Option<(u64, u64)>,
     /// The kind of observation it makes, or why it makes none, to be read after the topic's name: "carries no positions".
     pub usable: std::result::Result<Kind, String>,
-    /// The names of the numbers in its first message, which `--columns` and the `column` of an input may take: `data`, `linear.x`,
+    /// The names of the numbers in its first messages, which `--columns` and the `column` of an input may take: `data`, `linear.x`,
     /// `position.elbow`. Empty where they are not known.
     pub columns: Vec<String>,
     /// The type that nothing defines, where that is why it is not read.
@@ -64,12 +65,18 @@ impl Topic {
         Wanted::Topic { name: self.name.clone(), schema: self.schema.clone(), encoding: self.encoding.clone() }
     }
 
-    /// Counts a message; the first decides what the topic is good for.
+    /// Counts a message; the first decides what the topic is good for, and several what joints it has.
     fn add(&mut self, message: &RawMessage) {
-        if self.messages == 0 {
-            let decoder = message.channel.decoder.as_ref();
+        let decoder = message.channel.decoder.as_ref();
+        if self.messages < first_of(&self.schema, &self.encoding) {
             let rows = decoder.ok().and_then(|decoder| decoder.rows(&message.data, true).ok()).unwrap_or_default();
-            self.columns = rows.into_iter().next().unwrap_or_default().names;
+            for name in rows.into_iter().next().unwrap_or_default().names {
+                if !self.columns.contains(&name) {
+                    self.columns.push(name);
+                }
+            }
+        }
+        if self.messages == 0 {
             if let Err(Unread::Undefined(name)) = decoder {
                 self.undefined = Some(name.clone());
             }
@@ -97,9 +104,10 @@ impl Topic {
         (span_s > 0.0).then(|| self.messages.saturating_sub(1) as f64 / span_s)
     }
 
-    /// Whether its messages state where joints are meant to be, not where they were.
-    pub(super) fn is_command(&self) -> bool {
-        Type::of(&self.schema) == Some(Type::JointTrajectory)
+    /// Whether its messages state where joints are meant to be, not where they were: by its type, or by its name.
+    #[must_use]
+    pub fn is_command(&self) -> bool {
+        Type::of(&self.schema) == Some(Type::JointTrajectory) || is_of_commands(&self.name)
     }
 
     pub(super) fn described(&self) -> String {

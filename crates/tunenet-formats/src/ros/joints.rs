@@ -6,6 +6,9 @@ use crate::quantity::{Family, Quantity};
 use crate::shown::{counted, list};
 use tunenet_core::observation::{Channel, Note};
 
+/// Most joints that a note names.
+const MOST_NAMED: usize = 12;
+
 /// The joints and quantities of a series, from its first message.
 #[derive(Debug)]
 pub(crate) struct Joints {
@@ -14,6 +17,8 @@ pub(crate) struct Joints {
     present: [bool; 3],
     /// Messages left out because they lack a joint or a quantity.
     partial: usize,
+    /// Joints of such messages that are not among these.
+    strange: Vec<String>,
     /// Joints of the messages that were not requested.
     others: Vec<String>,
 }
@@ -44,7 +49,13 @@ impl Joints {
             return Err("expected positions, velocities or efforts, found none".into());
         }
         if wanted.is_empty() {
-            return Ok(Self { names: first.name.clone(), present, partial: 0, others: Vec::new() });
+            return Ok(Self {
+                names: first.name.clone(),
+                present,
+                partial: 0,
+                strange: Vec::new(),
+                others: Vec::new(),
+            });
         }
         let missing: Vec<&str> = wanted.iter().filter(|name| !first.name.contains(name)).map(String::as_str).collect();
         if !missing.is_empty() {
@@ -53,7 +64,7 @@ impl Joints {
             return Err(format!("expected the joints of the URDF, found no {missing} among {found}"));
         }
         let others = first.name.iter().filter(|name| !wanted.contains(name)).cloned().collect();
-        Ok(Self { names: wanted.to_vec(), present, partial: 0, others })
+        Ok(Self { names: wanted.to_vec(), present, partial: 0, strange: Vec::new(), others })
     }
 
     /// The channels `q1`…, `dq1`…, `tau1`… of the quantities that are there.
@@ -84,6 +95,12 @@ impl Joints {
         }
         values.truncate(start);
         self.partial += 1;
+        for name in &message.name {
+            let known = self.names.contains(name) || self.strange.contains(name) || self.others.contains(name);
+            if self.strange.len() < MOST_NAMED && !known {
+                self.strange.push(name.clone());
+            }
+        }
         false
     }
 
@@ -109,7 +126,9 @@ impl Joints {
         }
         if self.partial > 0 {
             let messages = counted(self.partial, "message");
-            let text = format!("{messages} left out for lack of one of these joints or quantities");
+            let strange = list(self.strange.iter().map(String::as_str), MOST_NAMED);
+            let strange = if self.strange.is_empty() { String::new() } else { format!("; they have {strange}") };
+            let text = format!("{messages} left out for lack of one of these joints or quantities{strange}");
             notes.push(Note::new(findings::JOINTS_PARTIAL, text, ""));
         }
         notes
@@ -145,7 +164,10 @@ mod tests {
         let notes = joints.notes();
         assert_eq!(notes[0].text, "joints 1 to 2 are `a`, `b`");
         assert_eq!(notes[1].text, "the messages carry no velocity");
-        assert_eq!(notes[2].text, "1 message left out for lack of one of these joints or quantities");
+        assert_eq!(
+            notes[2].text,
+            "1 message left out for lack of one of these joints or quantities; they have `finger`"
+        );
     }
 
     #[test]
