@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::common::{Folder, recorded};
 
 /// Two hinges with position actuators, in steps that are short enough for MuJoCo's own error to be small.
-const MODEL: &str = r#"<mujoco model="two">
+pub const MODEL: &str = r#"<mujoco model="two">
   <compiler angle="radian"/>
   <option timestep="0.0005" integrator="implicitfast"><flag contact="disable"/></option>
   <default><default class="servo"><joint damping="0.4" frictionloss="0.05" armature="0.02"/></default></default>
@@ -29,7 +29,7 @@ const MODEL: &str = r#"<mujoco model="two">
 "#;
 
 /// Commands of both joints for 3 s.
-fn commands() -> String {
+pub fn commands() -> String {
     let rows = (0..300).map(|i| f64::from(i) / 100.0).map(|t| {
         let step = if (0.5..2.0).contains(&t) { 0.8 } else { 0.0 };
         format!("{t},{},{}\n", 0.6 * (t * t * 2.0).sin(), step)
@@ -38,7 +38,7 @@ fn commands() -> String {
 }
 
 /// A folder with the model, its simulation file and commands.
-fn folder() -> Folder {
+pub fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("two.xml", MODEL);
     folder.write("commands.csv", commands());

@@ -142,6 +142,7 @@ Examples:
   tunenet init process
   tunenet init robot --model so101.xml
   tunenet init robot --model so101.xml --from so101_data --joints Pitch=shoulder_lift
+  tunenet init robot --model arm.urdf --from rosbag2_folder
 If release and surface height are not set, they are estimated from each recording.";
 
 const SIMULATE_EXAMPLES: &str = "\
@@ -250,15 +251,22 @@ pub struct Init {
     /// Of a robot: its model, a URDF or an MJCF; the file then has its joints, and starts at what an MJCF states of its motors
     #[arg(long, visible_alias = "model", value_name = "FILE")]
     pub urdf: Option<PathBuf>,
-    /// Of a robot: a LeRobot data set or another recording in episodes; the file then has the joints that are in it
-    #[arg(long, value_name = "FOLDER", requires = "urdf")]
+    /// Of a robot: a recording (LeRobot, ROS 2 bag, MCAP, HDF5, CSV, Parquet, NumPy); the file then has the joints that are in it
+    #[arg(long, value_name = "FILE|FOLDER", requires = "urdf")]
     pub from: Option<PathBuf>,
     /// Calibration file of LeRobot, which states the units of the joints of `--from`
     #[arg(long, value_name = "FILE.json", requires = "from")]
     pub calibration: Option<PathBuf>,
-    /// Joints of the model whose columns of `--from` have other names; the command's column where it is not `action.COLUMN`
+    /// Joints of the model whose columns of `--from` have other names; COMMAND is the column of their commands, or in a log `/TOPIC` or
+    /// `/TOPIC:COLUMN`
     #[arg(long, value_name = "JOINT=COLUMN[:COMMAND],…", value_parser = pair, value_delimiter = ',', requires = "from")]
     pub joints: Vec<(String, String)>,
+    /// Topic with the positions of the joints [default: the one that has most of them]
+    #[arg(long, requires = "from")]
+    pub topic: Option<String>,
+    /// Definition of a ROS message that the log names and does not define (may be repeated)
+    #[arg(long = "msg", value_name = "TYPE.msg", requires = "from")]
+    pub definitions: Vec<PathBuf>,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]

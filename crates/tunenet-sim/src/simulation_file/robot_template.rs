@@ -18,10 +18,12 @@ use crate::robot::{Drive, StatedDrive, StatedGravity, StatedMotor, observable_sc
 pub struct JointColumns {
     /// Name of the joint in the model.
     pub joint: String,
-    /// The column of its positions.
-    pub state: String,
+    /// The channel of its positions.
+    pub channel: String,
     /// The column of its commands.
     pub command: String,
+    /// The topic of a log that these stand in.
+    pub topic: Option<String>,
 }
 
 /// What the file starts from besides the joints and links of the model.
@@ -63,6 +65,19 @@ pub fn position_channel(joint: &Joint, column: Option<&str>) -> String {
     let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
     let own = column.filter(|column| plain(column) == **column && Channel::from_header(column).is_none());
     format!("{}_{unit}", own.map_or_else(|| plain(&joint.name), str::to_owned))
+}
+
+/// The input of the commands to a joint, by its name and the unit of what is commanded: `elbow_goal_rad`.
+#[must_use]
+pub fn command_input(joint: &Joint, drive: Drive) -> String {
+    let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+    let ending = match drive {
+        Drive::Velocity => format!("rate_{unit}_s"),
+        Drive::Torque if unit == "m" => "force_n".to_owned(),
+        Drive::Torque => "torque_nm".to_owned(),
+        Drive::Position | Drive::Voltage => format!("goal_{unit}"),
+    };
+    format!("{}_{ending}", plain(&joint.name))
 }
 
 /// A commented simulation file for the robot of `model`, whose file is at `path` as seen from the simulation file: every joint with its
@@ -187,17 +202,16 @@ fn followers(model: &Model) -> String {
 
 /// The input and the table of a joint.
 fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
-    let (name, low) = (&joint.name, plain(&joint.name));
+    let name = &joint.name;
     let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
     let (motor, columns) = (start.motor(name), start.columns(name));
     let drive = start.drive(name);
-    let (word, ending) = match drive {
-        Drive::Velocity => ("velocity", format!("rate_{unit}_s")),
-        Drive::Torque if unit == "m" => ("torque", "force_n".to_owned()),
-        Drive::Torque => ("torque", "torque_nm".to_owned()),
-        Drive::Position | Drive::Voltage => ("position", format!("goal_{unit}")),
+    let word = match drive {
+        Drive::Velocity => "velocity",
+        Drive::Torque => "torque",
+        Drive::Position | Drive::Voltage => "position",
     };
-    let command = format!("{low}_{ending}");
+    let command = command_input(joint, drive);
     text.push_str(&line(&format!("\n[inputs.{command}]")));
     if let Some([lower, upper]) = motor.and_then(|motor| motor.command_range) {
         text.push_str(&line(&format!(
@@ -205,13 +219,16 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
         )));
     }
     if let Some(columns) = columns {
+        if let Some(topic) = &columns.topic {
+            text.push_str(&line(&format!("topic = {}", toml_edit::value(topic))));
+        }
         text.push_str(&line(&format!("column = {}", toml_edit::value(&columns.command))));
     }
     text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
     if start.columns.is_none() {
         text.push_str("enable = \"torque_on\"\n");
     }
-    let channel = position_channel(joint, columns.map(|columns| columns.state.as_str()));
+    let channel = columns.map_or_else(|| position_channel(joint, None), |columns| columns.channel.clone());
     text.push_str(&line(&format!("observe = [{}]", toml_edit::value(channel))));
     if let Some([lower, upper]) = joint.shown_range() {
         text.push_str(&line(&format!(
@@ -366,7 +383,12 @@ mod tests {
 
     #[test]
     fn a_log_says_which_joints_move_and_where_their_numbers_are() {
-        let one = JointColumns { joint: "Lift".into(), state: "lift".into(), command: "action.lift".into() };
+        let one = JointColumns {
+            joint: "Lift".into(),
+            channel: "lift_rad".into(),
+            command: "action.lift".into(),
+            topic: None,
+        };
         let file = written(Some(vec![one]));
         let robot = file.robot().unwrap();
         assert_eq!(robot.joints.keys().collect::<Vec<_>>(), ["Lift"]);

@@ -1,114 +1,117 @@
 //! Which column of a recording is which joint of a model.
 
-use anyhow::Result;
-use tunenet_core::observation::{Note, plain};
-use tunenet_core::text::visible;
-use tunenet_core::{Error, Origin};
-use tunenet_formats::Episodes;
-use tunenet_sim::arm::model_file::key_of;
-use tunenet_sim::arm::{Joint, Model};
-use tunenet_sim::findings;
-use tunenet_sim::simulation_file::JointColumns;
+use std::path::Path;
 
+use anyhow::Result;
+use serde_json::{Value, json};
+use tunenet_core::observation::plain;
+use tunenet_formats::{JointQuantity, NamedColumn};
+use tunenet_sim::arm::{Joint, Model};
+use tunenet_sim::simulation_file::RobotStart;
+
+use super::asked::{asked, is_called, listed, refuse, without_commands};
+use super::place::Place;
+use super::topics::{commands, measured};
 use crate::args::Init;
 
 /// What stands before the name of a joint where a column has its command.
 pub const ACTION: &str = "action.";
-/// Most names that a message lists.
-const MOST_LISTED: usize = 12;
+
+/// Where the recording has the numbers of a joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Columns {
+    /// Name of the joint in the model.
+    pub joint: String,
+    /// The column of its positions.
+    pub state: Place,
+    /// The column of its commands.
+    pub command: Place,
+}
+
+impl Columns {
+    /// In words: `elbow: position.elbow of /joint_states, commands position.elbow of /commands`.
+    pub fn described(&self) -> String {
+        format!("{}: {}, commands {}", self.joint, self.state.described(), self.command.described())
+    }
+
+    /// As an object.
+    pub fn object(&self) -> Value {
+        let Self { joint, state, command } = self;
+        json!({ "joint": joint, "column": state.column, "topic": state.topic,
+            "command": { "column": command.column, "topic": command.topic } })
+    }
+}
 
 /// The columns of every joint that the recording has, in the order of the model.
 ///
 /// # Errors
-/// [`Error::Setting`] where no joint of the model is in the recording, or `--joints` names what is not there.
-pub fn columns(options: &Init, model: &Model, found: &Episodes) -> Result<Vec<JointColumns>> {
+/// [`Setting`](tunenet_core::Error::Setting) where no joint of the model is in the recording, or `--joints` names what is not there.
+pub fn columns(
+    options: &Init,
+    from: &Path,
+    (model, start): (&Model, &RobotStart),
+    found: &[NamedColumn],
+) -> Result<Vec<Columns>> {
     let joints = model.joints();
-    let refuse = |expected: String, found: String| {
-        Err(Error::Setting { origin: Origin::Flag, name: "--joints", expected, found }.into())
-    };
-    let there = |name: &str| found.columns.iter().any(|column| column.name == name);
-    for (joint, column) in &options.joints {
-        if !joints.iter().any(|known| is_called(known, joint)) {
-            let names = listed(joints.iter().map(|joint| joint.name.as_str()));
-            return refuse(format!("a joint of the model ({names})"), format!("`{}`", visible(joint)));
-        }
-        let (state, command) = column.split_once(':').unwrap_or((column, column));
-        if !there(state) || !there(command) {
-            let names = listed(found.columns.iter().map(|column| column.name.as_str()));
-            return refuse(
-                format!("a column of the recording ({names})"),
-                format!("`{}`", visible(if there(state) { command } else { state })),
-            );
-        }
-    }
-    let mut given: Vec<&str> =
-        options.joints.iter().map(|(_, column)| column.split(':').next().unwrap_or(column)).collect();
-    given.sort_unstable();
-    if let Some(two) = given.windows(2).find(|two| two[0] == two[1]) {
-        return refuse("each column for one joint".into(), format!("`{}` for several", visible(two[0])));
-    }
-    let one = |joint: &&Joint| {
-        let mapped = options.joints.iter().find(|(name, _)| is_called(joint, name)).map(|(_, column)| column.clone());
-        let same = |name: &str| plain(position(name)) == plain(&joint.name);
-        let state = mapped.or_else(|| found.columns.iter().map(|c| c.name.clone()).find(|name| same(name)))?;
-        let (state, command) = match state.split_once(':') {
-            Some((state, command)) => (state.to_owned(), command.to_owned()),
-            None => (state.clone(), format!("{ACTION}{state}")),
+    let asked = asked(options, &joints, found)?;
+    let of_asked = |joint: &Joint| asked.iter().find(|(name, _)| is_called(joint, name)).map(|(_, column)| *column);
+    let states = measured(options, found, joints.iter().map(|joint| joint.name.as_str()))?;
+    let one = |joint: &&Joint| -> Result<Option<(String, Place, Option<Place>)>> {
+        let drive = start.drive(&joint.name);
+        let given = of_asked(joint);
+        let state = match given {
+            Some((state, _)) => found.iter().find(|column| column.name == state && is_in(column, &states)),
+            None => position(&joint.name, found.iter().filter(|column| is_in(column, &states))),
         };
-        there(&command).then(|| JointColumns { joint: joint.name.clone(), state, command })
+        let Some(state) = state else { return Ok(None) };
+        let command = match given {
+            Some((_, Some(command))) => Some(Place::parse(command, found, &joint.name)),
+            // Of a column that is named, the command is called after it.
+            Some((column, None)) => {
+                let own = format!("{ACTION}{column}");
+                match found.iter().find(|known| known.name == own) {
+                    Some(own) => Some(Place::of(own)),
+                    None => commands(&[&joint.name, column], drive, found, &states)?,
+                }
+            }
+            None => commands(&[&joint.name], drive, found, &states)?,
+        };
+        Ok(Some((joint.name.clone(), Place::of(state), command)))
     };
-    let all: Vec<JointColumns> = joints.iter().filter_map(one).collect();
+    let seen: Vec<Option<(String, Place, Option<Place>)>> = joints.iter().map(one).collect::<Result<_>>()?;
+    let seen: Vec<(String, Place, Option<Place>)> = seen.into_iter().flatten().collect();
+    let commanded = |(joint, state, command): &(String, Place, Option<Place>)| {
+        Some(Columns { joint: joint.clone(), state: state.clone(), command: command.clone()? })
+    };
+    let all: Vec<Columns> = seen.iter().filter_map(commanded).collect();
+    if all.is_empty() && !seen.is_empty() {
+        let seen: Vec<(&str, &Place)> = seen.iter().map(|(joint, state, _)| (joint.as_str(), state)).collect();
+        return Err(without_commands(from, &seen, found).into());
+    }
     if all.is_empty() {
         let names = listed(joints.iter().map(|joint| joint.name.as_str()));
-        let columns = listed(found.columns.iter().map(|column| column.name.as_str()));
-        return refuse(
-            format!(
-                "which column is which joint of the model ({names}), each with its command `{ACTION}COLUMN` or as JOINT=COLUMN:COMMAND"
-            ),
-            format!("no names in common with the columns {columns}"),
+        let columns = listed(found.iter().map(|column| column.name.as_str()));
+        let expected = format!(
+            "which column is which joint of the model ({names}), each with its command `{ACTION}COLUMN` or as JOINT=COLUMN:COMMAND"
         );
+        return refuse(expected, format!("no names in common with the columns {columns}"));
     }
     Ok(all)
 }
 
-/// The joint whose position a column is: `elbow` of `elbow.pos`, where the recording has `elbow.vel` as well.
-fn position(column: &str) -> &str {
-    [".pos", ".position"].iter().find_map(|ending| column.strip_suffix(ending)).unwrap_or(column)
+fn is_in(column: &NamedColumn, topic: &Option<String>) -> bool {
+    column.topic == *topic
 }
 
-/// Whether a name is that of the joint, or what the model calls it.
-fn is_called(joint: &Joint, name: &str) -> bool {
-    joint.name == name || joint.name == key_of(name)
-}
-
-/// That joints of the model are not in the recording.
-pub fn held(model: &Model, columns: &[JointColumns]) -> Option<Note> {
-    let joints = model.joints();
-    let lost = joints.iter().filter(|joint| columns.iter().all(|columns| columns.joint != joint.name));
-    let lost: Vec<&str> = lost.map(|joint| joint.name.as_str()).collect();
-    (!lost.is_empty()).then(|| {
-        let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
-        Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN`")
-    })
-}
-
-/// Names in a message.
-pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", visible(name))).collect();
-    match names.len().saturating_sub(MOST_LISTED) {
-        0 if names.is_empty() => "none".into(),
-        0 => names.join(", "),
-        more => format!("{} and {more} more", names[..MOST_LISTED].join(", ")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::position;
-
-    #[test]
-    fn a_column_of_positions_is_its_joint() {
-        let of = ["elbow.pos", "left.elbow.position", "elbow", "elbow.vel"].map(position);
-        assert_eq!(of, ["elbow", "left.elbow", "elbow", "elbow.vel"]);
-    }
+/// The column of a joint's positions: one whose name is the joint's, or the only one that says so in other words.
+pub fn position<'a>(joint: &str, columns: impl Iterator<Item = &'a NamedColumn> + Clone) -> Option<&'a NamedColumn> {
+    let own = columns.clone().find(|column| plain(&column.name) == plain(joint));
+    let of = |quantity: Option<JointQuantity>| {
+        let is = move |column: &&NamedColumn| {
+            column.of_joint(joint).is_some_and(|of| !of.command && of.quantity == quantity)
+        };
+        let mut all = columns.clone().filter(is);
+        all.next().filter(|_| all.next().is_none())
+    };
+    own.or_else(|| of(Some(JointQuantity::Position))).or_else(|| of(None))
 }

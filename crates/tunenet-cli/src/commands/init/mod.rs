@@ -1,11 +1,16 @@
 //! `tunenet init`.
 
+mod asked;
 mod columns;
 mod flags;
 mod interfaces;
 mod limits;
+mod place;
 mod robot;
 pub(super) mod stated;
+mod topics;
+mod typed;
+mod typed_units;
 
 use std::path::Path;
 
@@ -15,6 +20,7 @@ use tunenet_core::Origin;
 use tunenet_formats::{shell_word, shown_path, write_atomically};
 use tunenet_sim::simulation_file::{Domain, template};
 
+use self::columns::Columns;
 use self::robot::Started;
 use crate::args::{Init, Scene};
 use crate::exit_status::Exit;
@@ -30,7 +36,7 @@ const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../../asset
 /// What is written: of a robot whose model is given, its own joints.
 fn started(options: &Init, domain: Domain, out: &Path) -> Result<Started> {
     let Some(urdf) = &options.urdf else {
-        return Ok(Started { text: template(domain), recording: None, notes: Vec::new() });
+        return Ok(Started { text: template(domain), recording: None, columns: Vec::new(), notes: Vec::new() });
     };
     if domain != Domain::Robot {
         let (expected, found) = ("`--urdf` with `init robot` only".into(), format!("`init {}`", domain.name()));
@@ -59,12 +65,15 @@ pub fn run(options: &Init) -> Result<Exit> {
     let outputs =
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
-    let Started { text, recording, notes } = started(options, domain, &out)?;
+    let Started { text, recording, columns, notes } = started(options, domain, &out)?;
     write_atomically(&out, |file| file.write_all(text.as_bytes()))?;
     stage("wrote", &shown_path(&out));
     if let Some(program) = program {
         write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;
         stage("wrote", &shown_path(program));
+    }
+    for columns in &columns {
+        stage("joint", &columns.described());
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     let path = shell_word(&out.to_string_lossy());
@@ -87,6 +96,9 @@ pub fn run(options: &Init) -> Result<Exit> {
     shown.show(options.common.json, || {
         let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out),
             "warnings": notes.iter().map(warning).collect::<Vec<_>>() });
+        if options.from.is_some() {
+            object["joints"] = columns.iter().map(Columns::object).collect();
+        }
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();
         }

@@ -1,25 +1,32 @@
-//! The simulation file of a robot from its model, and from a recording in episodes.
+//! The simulation file of a robot from its model, and from a recording.
 
 use std::path::Path;
 
 use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
-use tunenet_formats::{Contents, Episodes, ReadOptions, contents_with, read_calibration};
+use tunenet_formats::{Contents, ReadOptions, contents_with, read_calibration};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::{is_name, robot_template, seen_from};
+use tunenet_sim::simulation_file::{JointColumns, is_name, position_channel, robot_template, seen_from};
 
-use super::columns::{columns, held, listed};
+use super::asked::{held, listed};
+use super::columns::{Columns, columns};
 use super::flags::flags;
+use super::place::Place;
 use super::stated::{Stated, stated};
+use super::typed;
+use super::typed_units::Recorded;
 use crate::args::Init;
+use crate::commands::load::definitions;
 
 /// The file of a robot, and what to type next.
 pub struct Started {
     pub text: String,
     /// What follows `tunenet diagnose --sim FILE`.
     pub recording: Option<String>,
+    /// Where the recording has the numbers of each joint.
+    pub columns: Vec<Columns>,
     pub notes: Vec<Note>,
 }
 
@@ -29,33 +36,42 @@ pub struct Started {
 /// Where the model or the recording cannot be used, or have no joint in common.
 pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let Stated { model, mut start, mut notes } = stated(urdf)?;
-    let mut recording = None;
+    let (mut recording, mut found) = (None, Vec::new());
     notes.extend(unnameable(&model)?);
     if let Some(from) = &options.from {
-        let found = episodes(from, options)?;
-        let columns = columns(options, &model, &found)?;
+        let units = options.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
+        let definitions = definitions(&options.definitions)?;
+        let reading = ReadOptions { units, definitions, ..ReadOptions::default() };
+        let contents = contents_with(from, &reading)?;
+        let named = contents.named_columns();
+        let columns = columns(options, from, (&model, &start), &named)?;
         notes.extend(held(&model, &columns));
-        notes.extend(found.notes.iter().cloned());
-        recording = Some(flags(from, options, (&model, &start), (&found, &columns)));
-        start.columns = Some(columns);
-        start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
+        let channel: Box<dyn Fn(&Joint, &Columns) -> String> = match &contents {
+            Contents::Episodes(found) => {
+                notes.extend(found.notes.iter().cloned());
+                recording = Some(flags(from, options, (&model, &start), (found, &columns)));
+                start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
+                Box::new(|joint, columns| position_channel(joint, Some(&columns.state.column)))
+            }
+            Contents::Table(_) | Contents::Log(_) => {
+                let recorded = Recorded { path: from, contents: &contents, named: &named, reading };
+                let (typed, rate_hz) = typed::flags(&recorded, &model, &start, &columns);
+                (recording, start.rate_hz) = (Some(typed), rate_hz);
+                Box::new(|joint, columns| typed::channel(joint, &columns.state))
+            }
+        };
+        let joints = model.joints();
+        let one = |columns: &Columns| {
+            let joint = joints.iter().find(|joint| joint.name == columns.joint)?;
+            let Place { column, topic } = columns.command.clone();
+            Some(JointColumns { joint: joint.name.clone(), channel: channel(joint, columns), command: column, topic })
+        };
+        start.columns = Some(columns.iter().filter_map(one).collect());
+        found = columns;
     }
     let seen = seen_from(out, urdf).map_or_else(|| std::path::absolute(urdf), Ok)?;
     let text = robot_template(&seen.to_string_lossy(), &model, &start);
-    Ok(Started { text, recording, notes })
-}
-
-fn episodes(from: &Path, options: &Init) -> Result<Episodes> {
-    let units = options.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
-    match contents_with(from, &ReadOptions { units, ..ReadOptions::default() })? {
-        Contents::Episodes(found) => Ok(found),
-        Contents::Table(_) | Contents::Log(_) => {
-            let message = "expected a recording in episodes (LeRobot, HDF5), found another one";
-            let hint =
-                "leave `--from` out, and name its columns in the file: `column` of the inputs, `observe` of the joints";
-            Err(tunenet_formats::Error::file(from, message, hint).into())
-        }
-    }
+    Ok(Started { text, recording, columns: found, notes })
 }
 
 /// That the names of joints cannot stand in a simulation file.

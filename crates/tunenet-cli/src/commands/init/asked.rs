@@ -1,0 +1,104 @@
+//! What `--joints` says, and joints in messages.
+
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
+use tunenet_core::{Error, Origin};
+use tunenet_formats::{Error as FileError, NamedColumn, shell_word};
+use tunenet_sim::arm::model_file::key_of;
+use tunenet_sim::arm::{Joint, Model};
+use tunenet_sim::findings;
+
+use super::columns::Columns;
+use super::place::Place;
+use crate::args::Init;
+
+/// Most names that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// What `--joints` says of a joint: its column, and that of its command where it is said.
+pub type Asked<'a> = (&'a str, (&'a str, Option<&'a str>));
+
+/// What `--joints` says, where all of it is there.
+pub fn asked<'a>(options: &'a Init, joints: &[&Joint], found: &[NamedColumn]) -> Result<Vec<Asked<'a>>> {
+    let there = |name: &str| found.iter().any(|column| column.name == name);
+    let all: Vec<Asked> = options
+        .joints
+        .iter()
+        .map(|(joint, column)| match column.split_once(':') {
+            Some((state, command)) => (joint.as_str(), (state, Some(command))),
+            None => (joint.as_str(), (column.as_str(), None)),
+        })
+        .collect();
+    for (joint, (state, command)) in &all {
+        if !joints.iter().any(|known| is_called(known, joint)) {
+            let names = listed(joints.iter().map(|joint| joint.name.as_str()));
+            return refuse(format!("a joint of the model ({names})"), format!("`{}`", visible(joint)));
+        }
+        let absent = |name: &&str| !there(name);
+        let lost = Some(*state).filter(absent).or(command.filter(|command| !Place::is_in(command, found)));
+        if let Some(lost) = lost {
+            let names = listed(found.iter().map(|column| column.name.as_str()));
+            return refuse(format!("a column of the recording ({names})"), format!("`{}`", visible(lost)));
+        }
+    }
+    let mut given: Vec<&str> = all.iter().map(|(_, (state, _))| *state).collect();
+    given.sort_unstable();
+    if let Some(two) = given.windows(2).find(|two| two[0] == two[1]) {
+        return refuse("each column for one joint".into(), format!("`{}` for several", visible(two[0])));
+    }
+    Ok(all)
+}
+
+pub fn refuse<T>(expected: String, found: String) -> Result<T> {
+    Err(Error::Setting { origin: Origin::Flag, name: "--joints", expected, found }.into())
+}
+
+/// Whether a name is that of the joint, or what the model calls it.
+pub fn is_called(joint: &Joint, name: &str) -> bool {
+    joint.name == name || joint.name == key_of(name)
+}
+
+/// That joints have positions and no commands, and what to type: numbers without names are given in the order of the joints.
+pub fn without_commands(from: &Path, seen: &[(&str, &Place)], found: &[NamedColumn]) -> FileError {
+    let joints = listed(seen.iter().map(|(joint, _)| *joint));
+    let place = seen[0].1.topic.as_ref().map_or_else(String::new, |topic| format!(" in `{}`", visible(topic)));
+    let message = format!("expected commands of the joints {joints}, found only their positions{place}");
+    let unnamed: Vec<&NamedColumn> = found.iter().filter(|column| column.is_unnamed_command()).collect();
+    let topic = unnamed.first().and_then(|column| column.topic.as_deref());
+    let numbers = unnamed.iter().filter(|column| column.topic.as_deref() == topic);
+    let pair = |((joint, state), number): (&(&str, &Place), &&NamedColumn)| {
+        format!("{joint}={}:{}:{}", state.column, topic.unwrap_or_default(), number.name)
+    };
+    let pairs: Vec<String> = seen.iter().zip(numbers).map(pair).collect();
+    let hint = if pairs.is_empty() {
+        "record what the joints are sent as well, or name it: `--joints JOINT=COLUMN:COMMAND`, COMMAND as `/TOPIC:COLUMN` in a log"
+            .to_owned()
+    } else {
+        format!("if the controller has its joints in this order: `--joints {}`", shell_word(&pairs.join(",")))
+    };
+    FileError::file(from, message, hint)
+}
+
+/// That joints of the model are not in the recording.
+pub fn held(model: &Model, columns: &[Columns]) -> Option<Note> {
+    let joints = model.joints();
+    let lost = joints.iter().filter(|joint| columns.iter().all(|columns| columns.joint != joint.name));
+    let lost: Vec<&str> = lost.map(|joint| joint.name.as_str()).collect();
+    (!lost.is_empty()).then(|| {
+        let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
+        Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN:COMMAND`")
+    })
+}
+
+/// Names in a message.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", visible(name))).collect();
+    match names.len().saturating_sub(MOST_LISTED) {
+        0 if names.is_empty() => "none".into(),
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names[..MOST_LISTED].join(", ")),
+    }
+}
