@@ -36,6 +36,7 @@ pub fn write(options: &Models, file: &SimulationFile, intervals: Intervals) -> R
         let rest = listed(&left, &found.whole);
         let rest = if rest.is_empty() { rest } else { format!(": BAM cannot express {rest}") };
         stage("bam", &format!("{}{rest}", shown_path(out)));
+        stage("note", "`vin` is `supply_v` of the joint, 12 V where the simulation file does not state it");
         let others = file.robot()?.joints.iter().filter(|(_, joint)| joint.drive != Drive::Position);
         let others: Vec<String> = others.map(|(name, _)| format!("`{}`", visible(name))).collect();
         if !others.is_empty() {

@@ -177,7 +177,10 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::Named => format!("NAMED  {}", diagnosis.effects().iter().map(lone).collect::<Vec<_>>().join(" and ")),
         Verdict::OneOf => {
             let why = diagnosis.conclusion.doubt().map_or("these recordings cannot distinguish them".into(), |doubt| {
-                format!("{} by far, but {doubt}", answer.chosen().join(" and "))
+                let chosen = answer.chosen().join(" and ");
+                // What no effect explains is explained by none of them by far.
+                let how = if answer.allows_unknown() { "fits best" } else { "by far" };
+                format!("{chosen} {how}, but {doubt}")
             });
             format!("ONE OF  {}: {why}", choices(answer))
         }

@@ -100,7 +100,8 @@ pub fn sentence(answer: &Answer) -> String {
                 format!(", in addition to {}", joined(&words(&firm), "and"))
             };
             let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
-                format!("the first by far, but {doubt}")
+                let how = if answer.allows_unknown() { "the first fits best" } else { "the first by far" };
+                format!("{how}, but {doubt}")
             });
             format!("{}{place}{or_unknown}{certain}: {why}.", capital(&open.join("; and ")))
         }
