@@ -3,20 +3,15 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin};
 use tunenet_formats::{Error as FileError, NamedColumn, shell_word};
+use tunenet_sim::arm::Joint;
 use tunenet_sim::arm::model_file::key_of;
-use tunenet_sim::arm::{Joint, Model};
-use tunenet_sim::findings;
 
-use super::columns::Columns;
 use super::place::Place;
 use crate::args::Init;
-
-/// Most names that a message lists.
-const MOST_LISTED: usize = 12;
+use crate::view::text::listed;
 
 /// What `--joints` says of a joint: its column, and that of its command where it is said.
 pub type Asked<'a> = (&'a str, (&'a str, Option<&'a str>));
@@ -80,25 +75,4 @@ pub fn without_commands(from: &Path, seen: &[(&str, &Place)], found: &[NamedColu
         format!("if the controller has its joints in this order: `--joints {}`", shell_word(&pairs.join(",")))
     };
     FileError::file(from, message, hint)
-}
-
-/// That joints of the model are not in the recording.
-pub fn held(model: &Model, columns: &[Columns]) -> Option<Note> {
-    let joints = model.joints();
-    let lost = joints.iter().filter(|joint| columns.iter().all(|columns| columns.joint != joint.name));
-    let lost: Vec<&str> = lost.map(|joint| joint.name.as_str()).collect();
-    (!lost.is_empty()).then(|| {
-        let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
-        Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN:COMMAND`")
-    })
-}
-
-/// Names in a message.
-pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", visible(name))).collect();
-    match names.len().saturating_sub(MOST_LISTED) {
-        0 if names.is_empty() => "none".into(),
-        0 => names.join(", "),
-        more => format!("{} and {more} more", names[..MOST_LISTED].join(", ")),
-    }
 }

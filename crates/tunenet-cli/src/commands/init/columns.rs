@@ -4,15 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use tunenet_core::observation::plain;
-use tunenet_formats::{JointQuantity, NamedColumn};
+use tunenet_formats::NamedColumn;
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::simulation_file::RobotStart;
 
-use super::asked::{asked, is_called, listed, refuse, without_commands};
-use super::place::Place;
+use super::asked::{asked, is_called, refuse, without_commands};
+use super::place::{Place, position};
 use super::topics::{commands, measured};
 use crate::args::Init;
+use crate::view::text::listed;
 
 /// What stands before the name of a joint where a column has its command.
 pub const ACTION: &str = "action.";
@@ -101,17 +101,4 @@ pub fn columns(
 
 fn is_in(column: &NamedColumn, topic: &Option<String>) -> bool {
     column.topic == *topic
-}
-
-/// The column of a joint's positions: one whose name is the joint's, or the only one that says so in other words.
-pub fn position<'a>(joint: &str, columns: impl Iterator<Item = &'a NamedColumn> + Clone) -> Option<&'a NamedColumn> {
-    let own = columns.clone().find(|column| plain(&column.name) == plain(joint));
-    let of = |quantity: Option<JointQuantity>| {
-        let is = move |column: &&NamedColumn| {
-            column.of_joint(joint).is_some_and(|of| !of.command && of.quantity == quantity)
-        };
-        let mut all = columns.clone().filter(is);
-        all.next().filter(|_| all.next().is_none())
-    };
-    own.or_else(|| of(Some(JointQuantity::Position))).or_else(|| of(None))
 }

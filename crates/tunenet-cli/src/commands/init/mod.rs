@@ -3,11 +3,9 @@
 mod asked;
 mod columns;
 mod flags;
-mod interfaces;
 mod limits;
 mod place;
 mod robot;
-pub(super) mod stated;
 mod topics;
 mod typed;
 mod typed_units;

@@ -1,6 +1,7 @@
 //! Where in a recording a column stands.
 
-use tunenet_formats::NamedColumn;
+use tunenet_core::observation::plain;
+use tunenet_formats::{JointQuantity, NamedColumn};
 
 /// A column, and the topic of a log that it stands in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,4 +46,17 @@ impl Place {
 fn topic_and_column(text: &str) -> Option<(&str, Option<&str>)> {
     let text = text.strip_prefix('/').map(|_| text)?;
     Some(text.split_once(':').map_or((text, None), |(topic, column)| (topic, Some(column))))
+}
+
+/// The column of a joint's positions: one whose name is the joint's, or the only one that says so in other words.
+pub fn position<'a>(joint: &str, columns: impl Iterator<Item = &'a NamedColumn> + Clone) -> Option<&'a NamedColumn> {
+    let own = columns.clone().find(|column| plain(&column.name) == plain(joint));
+    let of = |quantity: Option<JointQuantity>| {
+        let is = move |column: &&NamedColumn| {
+            column.of_joint(joint).is_some_and(|of| !of.command && of.quantity == quantity)
+        };
+        let mut all = columns.clone().filter(is);
+        all.next().filter(|_| all.next().is_none())
+    };
+    own.or_else(|| of(Some(JointQuantity::Position))).or_else(|| of(None))
 }

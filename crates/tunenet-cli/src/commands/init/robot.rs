@@ -10,15 +10,14 @@ use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
 use tunenet_sim::simulation_file::{JointColumns, is_name, position_channel, robot_template, seen_from};
 
-use super::asked::{held, listed};
 use super::columns::{Columns, columns};
 use super::flags::flags;
 use super::place::Place;
-use super::stated::{Stated, stated};
 use super::typed;
 use super::typed_units::Recorded;
 use crate::args::Init;
-use crate::commands::load::definitions;
+use crate::commands::load::{Stated, definitions, stated};
+use crate::view::text::listed;
 
 /// The file of a robot, and what to type next.
 pub struct Started {
@@ -93,4 +92,15 @@ fn unnameable(model: &Model) -> Result<Option<Note>> {
     let text =
         format!("joints whose names become the same key of a file (letters, digits and `_`) are held at 0: {names}");
     Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
+}
+
+/// That joints of the model are not in the recording.
+fn held(model: &Model, columns: &[Columns]) -> Option<Note> {
+    let joints = model.joints();
+    let lost = joints.iter().filter(|joint| columns.iter().all(|columns| columns.joint != joint.name));
+    let lost: Vec<&str> = lost.map(|joint| joint.name.as_str()).collect();
+    (!lost.is_empty()).then(|| {
+        let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
+        Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN:COMMAND`")
+    })
 }

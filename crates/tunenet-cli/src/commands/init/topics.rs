@@ -7,10 +7,9 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::{JointQuantity, NamedColumn};
 use tunenet_sim::robot::Drive;
 
-use super::asked::listed;
-use super::columns::position;
-use super::place::Place;
+use super::place::{Place, position};
 use crate::args::Init;
+use crate::view::text::listed;
 
 /// The topic with the positions of most joints, or the one that `--topic` names; `None` of a recording without topics.
 ///

@@ -10,7 +10,7 @@ use tunenet_models::Format;
 use tunenet_sim::arm::{Joint, JointKind};
 use tunenet_sim::robot::Drive;
 
-use super::super::init::stated::{Stated, stated};
+use crate::commands::load::{Stated, stated};
 use crate::view::answer::Printout;
 use crate::view::json::warning;
 

@@ -5,12 +5,14 @@ mod differences;
 mod driven;
 mod input_files;
 pub mod inputs;
+mod interfaces;
 mod joints;
 mod options;
 mod read_inputs;
 mod recording;
 mod scene;
 mod setups;
+mod stated;
 mod thinned;
 mod video;
 
@@ -29,6 +31,7 @@ pub use joints::{attach_reference, lacks, left_out};
 pub use options::{definitions, reading};
 pub use recording::{of_channels, recording, recording_of};
 pub use setups::Setups;
+pub use stated::{Stated, stated};
 pub use thinned::{MOST_SAMPLES, thinned};
 
 /// A simulation file with its overrides.

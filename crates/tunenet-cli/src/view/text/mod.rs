@@ -191,6 +191,19 @@ pub fn table(rows: &[Vec<String>]) -> String {
 /// Columns of a line of people's text, as of the help.
 const LINE: usize = 100;
 
+/// Most names that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// Names in a message.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{}`", visible(name))).collect();
+    match names.len().saturating_sub(MOST_LISTED) {
+        0 if names.is_empty() => "none".into(),
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names[..MOST_LISTED].join(", ")),
+    }
+}
+
 /// `lead` and then `items` with commas, broken between items into lines that are indented as `lead` is long.
 pub fn list(lead: &str, items: &[String]) -> String {
     let indent = lead.chars().count() + 1;

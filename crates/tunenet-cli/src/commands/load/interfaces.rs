@@ -5,7 +5,7 @@ use tunenet_core::text::visible;
 use tunenet_models::urdf::{Commanded, Commands, Interface};
 use tunenet_sim::findings;
 
-use super::asked::listed;
+use crate::view::text::listed;
 
 /// Joints with commands of several kinds, of which the first counts, and those with none that is known.
 pub fn notes(commands: &Commands) -> Vec<Note> {
