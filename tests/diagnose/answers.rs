@@ -49,7 +49,8 @@ fn a_limit_on_rollouts_leaves_no_answer_and_a_quick_search_one() {
     assert_eq!((&limited["verdict"], &limited["rollouts"]), (&"insufficient".into(), &100.into()));
     assert!(codes(&limited).contains(&"rollouts.limit") && !folder.path("ranges.json").exists());
     assert!(!folder.path("improved.toml").exists());
-    let quick = folder.run(&format!("{line} --quick")).ends(0).json();
+    let ran = folder.run(&format!("{line} --quick")).ends(0);
+    let quick = ran.json();
     assert_eq!((&quick["verdict"], &quick["effects"][0]["name"]), (&"named".into(), &"quadratic_drag".into()));
     assert!(codes(&quick).contains(&"fit.quick"));
     let written: Value = serde_json::from_str(&folder.text("ranges.json")).unwrap();
@@ -61,6 +62,8 @@ fn a_limit_on_rollouts_leaves_no_answer_and_a_quick_search_one() {
     // What the recordings do not determine has no range.
     let open = list(&written, "undetermined");
     assert!(ranges.iter().all(|one| !open.contains(&one["name"])), "{written:#}");
+    let said = |name: &Value| ran.stderr.contains(&format!("`{}`", name.as_str().unwrap_or_default()));
+    assert!(open.iter().all(said), "{}", ran.stderr);
 }
 
 #[test]

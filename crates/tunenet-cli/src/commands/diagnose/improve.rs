@@ -54,11 +54,11 @@ pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option
         return Ok(None);
     }
     let found = ranges::of_diagnosis(answer);
-    let open = ranges::undetermined(&found);
-    if !open.is_empty() {
-        stage("note", &format!("ranges leave out what the recordings do not determine: {}", open.join(", ")));
+    if !found.undetermined.is_empty() {
+        let open = found.undetermined.join(", ");
+        stage("note", &format!("ranges leave out what the recordings do not determine: {open}"));
     }
-    ranges::write(out, &found)?;
+    found.write(out)?;
     Ok(Some(out))
 }
 

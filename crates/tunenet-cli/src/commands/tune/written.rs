@@ -100,7 +100,7 @@ fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
         stage("ranges", "not written: the verdict is not TUNED");
         return Ok(());
     }
-    ranges::write(out, &ranges::of_tuning(outcome))?;
+    ranges::of_tuning(outcome).write(out)?;
     stage("ranges", &out.display().to_string());
     Ok(())
 }
