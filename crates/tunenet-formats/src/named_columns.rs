@@ -28,7 +28,8 @@ impl NamedColumn {
     #[must_use]
     pub fn of_joint(&self, joint: &str) -> Option<OfJoint> {
         let topic = self.topic.as_deref().filter(|_| self.alone);
-        let found = of_joint(&self.name, topic, joint)?;
+        let by_topic = || of_joint(&self.name, Some(topic?), joint);
+        let found = of_joint(&self.name, None, joint).or_else(by_topic)?;
         Some(OfJoint { command: found.command || self.of_commands, ..found })
     }
 
@@ -113,11 +114,13 @@ mod tests {
     fn columns_of_a_log_have_their_topic() {
         let state = |stamp: i64, z: f64| joints(stamp, &["pan"], &[z], &[]);
         let topics: [Made; 2] =
-            ["/joint_states", "/cmd/joints"].map(|topic| made(topic, "sensor_msgs/msg/JointState", 20, state));
+            ["/joint_states", "/odd_arm/cmd"].map(|topic| made(topic, "sensor_msgs/msg/JointState", 20, state));
+        // A topic with a single joint has the words of its robot.
+        assert!(topics.iter().all(|topic| !topic.topic.contains("pan")));
         let (_folder, path) = file("a.mcap", bag(None, &topics));
         let columns = contents_with(&path, &ReadOptions::default()).unwrap().named_columns();
         let found: Vec<_> =
             columns.iter().map(|c| (c.topic.as_deref(), c.of_joint("pan").map(|of| of.command))).collect();
-        assert_eq!(found, [(Some("/cmd/joints"), Some(true)), (Some("/joint_states"), Some(false))]);
+        assert_eq!(found, [(Some("/joint_states"), Some(false)), (Some("/odd_arm/cmd"), Some(true))]);
     }
 }

@@ -18,8 +18,9 @@ use crate::scene::{JointScene, RobotScene};
 use crate::simulation_file::robot_schema::role;
 use crate::{SimulationFile, declared, findings};
 
-/// The effect that scales the gain.
+/// The effect that scales the gain, and that which adds to the damping.
 const GAIN: &str = "firmware_gain";
+const DAMPING: &str = "firmware_damping";
 
 /// What recordings with one gain and one load cannot distinguish from parameters of a servo.
 const ONE_SETUP: [&str; 3] = [GAIN, "load_offset", "joint_spring"];
@@ -74,7 +75,9 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     };
     let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
     let slides: Vec<bool> = names.iter().map(|name| is_slide(&model, name)).collect();
-    let entry = |effect: &RobotEffect| in_units_of_joints(effect.entry(&names, tuned), &slides);
+    let damping = least_damping(files, &names)?;
+    let entry =
+        |effect: &RobotEffect| with_damping_left(in_units_of_joints(effect.entry(&names, tuned), &slides), &damping);
     let entries: Vec<Effect> = effects.iter().map(entry).collect();
     let layout = Layout {
         roles,
@@ -106,6 +109,30 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         };
     }
     Ok(simulator)
+}
+
+/// The damping in the firmware of each joint, s/rad or s/m: the least of all setups.
+fn least_damping(files: &[&SimulationFile], names: &[&str]) -> Result<Vec<f64>> {
+    let mut least = vec![f64::INFINITY; names.len()];
+    for file in files {
+        let scene = file.robot()?;
+        for (least, name) in least.iter_mut().zip(names) {
+            *least = least.min(scene.joints.get(*name).map_or(0.0, |joint| joint.kd));
+        }
+    }
+    Ok(least)
+}
+
+/// The effect on the damping takes no more away than there is.
+fn with_damping_left(mut entry: Effect, damping: &[f64]) -> Effect {
+    if entry.name == DAMPING {
+        for coefficient in &mut entry.coefficients {
+            let joint = coefficient.number.and_then(|number| number.checked_sub(1));
+            let there = joint.and_then(|joint| damping.get(joint)).copied().unwrap_or(0.0);
+            coefficient.min = coefficient.min.max(-there);
+        }
+    }
+    entry
 }
 
 /// Which number of which joint each parameter is.
@@ -349,4 +376,18 @@ fn states_of(file: &SimulationFile, starts: &[(Start, String)]) -> Result<Vec<St
         StartState::new(name.clone(), unit, value)
     };
     Ok(starts.iter().map(one).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A model may state more damping than the servo has: the effect takes away as much as there is, and adds to it otherwise.
+    #[test]
+    fn damping_is_taken_away_down_to_none() {
+        let entry = RobotEffect::find(DAMPING).unwrap().entry(&["a", "b"], |_| true);
+        let bounds: Vec<(f64, f64)> =
+            with_damping_left(entry, &[0.5, 0.0]).coefficients.iter().map(|c| (c.min, c.max)).collect();
+        assert_eq!(bounds, [(-0.5, 10.0), (0.0, 10.0)]);
+    }
 }

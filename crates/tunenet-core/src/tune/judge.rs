@@ -293,7 +293,9 @@ impl Standing {
             }
             Status::Pinned if !self.reported && (value <= p.min || value >= p.max) => {
                 let text = format!("`{name}` lies on its bound {value}, as it may: its interval is one-sided");
-                Some(Note::new(findings::PARAMETER_ONE_SIDED, text, ""))
+                // A bound that is no end by nature may be too near.
+                let remedy = if value == 0.0 { "" } else { "widen the bound if the value may lie beyond" };
+                Some(Note::new(findings::PARAMETER_ONE_SIDED, text, remedy))
             }
             Status::Pinned | Status::Direction => None,
         }

@@ -256,7 +256,7 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     }
     if pairs.is_empty() {
         return match role {
-            Role::Predicted => "add the column, or leave the channel out of `process.channels` or `[outputs]`".into(),
+            Role::Predicted => "add the column, or leave the channel out of the simulation file".into(),
             Role::Driving => "add the column, or say which it is, with `column` in the input's table".into(),
             Role::Starting => {
                 let name = channels.first().map_or_else(|| "NAME".to_owned(), Channel::header);

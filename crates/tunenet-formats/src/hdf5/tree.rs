@@ -232,14 +232,17 @@ pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>
 /// The same, and what is said of the arrays that have another number of rows.
 pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result<(Vec<Array>, Option<Note>)> {
     let top = if group == "/" { file.root() } else { file.group(group).map_err(|e| broken(path, &e))? };
-    let (mut found, mut objects) = (Vec::new(), 0);
+    let (mut found, mut no_numbers, mut objects) = (Vec::new(), Vec::new(), 0);
     let mut open = vec![(top, String::new(), 0)];
     while let Some((group, prefix, depth)) = open.pop() {
         for name in group.datasets().map_err(|e| broken(path, &e))? {
             objects += 1;
             let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
-            if let Some((rows, width, flat)) = shape(&data) {
-                found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data });
+            match shape(&data) {
+                Some((rows, width, flat)) => {
+                    found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data })
+                }
+                None => no_numbers.push(format!("{prefix}{name}")),
             }
         }
         for name in group.groups().map_err(|e| broken(path, &e))? {
@@ -256,8 +259,13 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result
     }
     let rows = most_common_rows(found.iter().map(|array| array.rows)).unwrap_or(0);
     let others = found.iter().filter(|array| array.rows != rows);
-    let others: Vec<String> = others.map(|array| format!("{} ({})", array.name, counted(array.rows, "row"))).collect();
-    let text = format!("arrays without {rows} rows are left out: {}", list(others.iter().map(String::as_str), 8));
+    let of_length = others.map(|array| format!("{} ({})", array.name, counted(array.rows, "row")));
+    let others: Vec<String> =
+        of_length.chain(no_numbers.into_iter().map(|name| format!("{name} (no rows of numbers)"))).collect();
+    let text = format!(
+        "arrays that are no {rows} rows of numbers are left out: {}",
+        list(others.iter().map(String::as_str), 8)
+    );
     let note = Note::new(findings::COLUMNS_IGNORED, text, "save them with a row for each instant if they matter");
     found.retain(|array| array.rows == rows);
     found.sort_by(|a, b| a.name.cmp(&b.name));

@@ -63,7 +63,8 @@ fn of_command(topic: &Topic, options: &ReadOptions) -> Option<String> {
     let names_it = Some(topic.name.as_str()).filter(|_| topic.columns.len() == 1);
     let named = options.topic.as_deref() == Some(topic.name.as_str());
     let of = |column: &str| {
-        let found = joint_words::of_joint(column, names_it, &joint.name)?;
+        let by_topic = || joint_words::of_joint(column, Some(names_it?), &joint.name);
+        let found = joint_words::of_joint(column, None, &joint.name).or_else(by_topic)?;
         (found.command || topic.is_command() || named).then_some(found.quantity)
     };
     let stated = |column: &&String| of(column) == Some(Some(wanted));

@@ -84,7 +84,7 @@ pub(crate) fn driven_joints(
         joint.dead_band += drive.dead_band_rad;
         joint.duty_max *= drive.duty_fraction;
         joint.kp *= drive.gain_factor;
-        joint.kd += drive.kd;
+        joint.kd = (joint.kd + drive.kd).max(0.0);
         joint.sag_ohm += drive.sag_ohm;
         joint.release_braking += drive.release_braking_nms_rad;
     }

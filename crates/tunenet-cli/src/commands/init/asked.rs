@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin};
-use tunenet_formats::{Error as FileError, NamedColumn, shell_word};
+use tunenet_formats::{Error as FileError, NamedColumn, ReadOptions, read, shell_word};
 use tunenet_sim::arm::Joint;
 use tunenet_sim::arm::model_file::key_of;
 
@@ -75,4 +75,18 @@ pub fn without_commands(from: &Path, seen: &[(&str, &Place)], found: &[NamedColu
         format!("if the controller has its joints in this order: `--joints {}`", shell_word(&pairs.join(",")))
     };
     FileError::file(from, message, hint)
+}
+
+/// Refuses a recording without a column of numbers as whoever reads it does, and one in which a name stands twice.
+///
+/// # Errors
+/// Where it is such a recording.
+pub fn refuse_unnamed(from: &Path, reading: &ReadOptions, named: &[NamedColumn]) -> Result<()> {
+    if named.is_empty() {
+        read(from, reading)?;
+    }
+    let twice = named.iter().enumerate().find(|(at, column)| named[..*at].contains(column));
+    let Some((_, twice)) = twice else { return Ok(()) };
+    let message = format!("expected one column `{}`, found two", visible(&twice.name));
+    Err(FileError::file(from, message, "rename one of them, or leave it out").into())
 }

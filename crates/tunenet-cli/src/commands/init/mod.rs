@@ -8,6 +8,7 @@ mod place;
 mod robot;
 mod topics;
 mod typed;
+mod typed_clock;
 mod typed_units;
 
 use std::path::Path;

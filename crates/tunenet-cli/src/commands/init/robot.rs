@@ -10,6 +10,7 @@ use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
 use tunenet_sim::simulation_file::{JointColumns, is_name, position_channel, robot_template, seen_from};
 
+use super::asked::refuse_unnamed;
 use super::columns::{Columns, columns};
 use super::flags::flags;
 use super::place::Place;
@@ -43,6 +44,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         let reading = ReadOptions { units, definitions, ..ReadOptions::default() };
         let contents = contents_with(from, &reading)?;
         let named = contents.named_columns();
+        refuse_unnamed(from, &reading, &named)?;
         let columns = columns(options, from, (&model, &start), &named)?;
         notes.extend(held(&model, &columns));
         let channel: Box<dyn Fn(&Joint, &Columns) -> String> = match &contents {
@@ -54,7 +56,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
             }
             Contents::Table(_) | Contents::Log(_) => {
                 let recorded = Recorded { path: from, contents: &contents, named: &named, reading };
-                let (typed, rate_hz) = typed::flags(&recorded, &model, &start, &columns);
+                let (typed, rate_hz) = typed::flags(&recorded, &model, &start, &columns)?;
                 (recording, start.rate_hz) = (Some(typed), rate_hz);
                 Box::new(|joint, columns| typed::channel(joint, &columns.state))
             }

@@ -1,17 +1,15 @@
 //! What to type to read a table or a log for the joints of a robot, and the channels of its positions.
 
 use tunenet_core::observation::plain;
-use tunenet_formats::{Contents, ReadOptions, shell_word, unit_of_name};
+use tunenet_formats::{Contents, Result, shell_word, unit_of_name};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::robot::Drive;
 use tunenet_sim::simulation_file::{RobotStart, command_input};
 
 use super::columns::Columns;
 use super::place::Place;
-use super::typed_units::{Recorded, command_unit, is_length_or_angle, own_unit, suggested, unit};
-
-/// How columns of times are called.
-const CLOCKS: [&str; 6] = ["t", "time", "timestamp", "times", "stamp", "clock"];
+use super::typed_clock::{Read, clock, read};
+use super::typed_units::{Recorded, command_unit, is_length_or_angle, own_unit, unit};
 
 /// The channel of a joint's positions: in a table, the name of the column in the project's own unit, so that it is found there.
 pub fn channel(joint: &Joint, state: &Place) -> String {
@@ -25,16 +23,19 @@ pub fn channel(joint: &Joint, state: &Place) -> String {
 }
 
 /// What follows the path of the recording on the command line, and how many rows it has in a second, where that is known.
-pub fn flags(recorded: &Recorded, model: &Model, start: &RobotStart, columns: &[Columns]) -> (String, Option<f64>) {
+///
+/// # Errors
+/// Where the recording cannot be read.
+pub fn flags(
+    recorded: &Recorded,
+    model: &Model,
+    start: &RobotStart,
+    columns: &[Columns],
+) -> Result<(String, Option<f64>)> {
     let mut mapped: Vec<String> = Vec::new();
-    let clock = clock(recorded);
-    mapped.extend(clock.as_ref().map(|column| format!("t_s={column}")));
+    let Read { clock, suggested, rate_hz } = read(recorded, columns, clock(recorded))?;
+    mapped.extend(clock.map(|(ours, theirs)| format!("{ours}={theirs}")));
     let states = columns.first().and_then(|columns| columns.state.topic.clone());
-    let options = ReadOptions {
-        columns: clock.iter().map(|column| ("t_s".to_owned(), column.clone())).collect(),
-        ..recorded.reading.clone()
-    };
-    let (suggested, rate_hz) = suggested(recorded, &options, columns);
     let joints = model.joints();
     for columns in columns {
         let Some(joint) = joints.iter().find(|joint| joint.name == columns.joint) else { continue };
@@ -64,18 +65,7 @@ pub fn flags(recorded: &Recorded, model: &Model, start: &RobotStart, columns: &[
     if !mapped.is_empty() {
         words.extend(["--columns".into(), shell_word(&mapped.join(","))]);
     }
-    (words.join(" "), rate_hz)
-}
-
-/// The column of times of a table that none is known of.
-fn clock(recorded: &Recorded) -> Option<String> {
-    let Contents::Table(table) = recorded.contents else { return None };
-    if table.columns.iter().any(|column| column.read_as.as_deref() == Some("t_s")) {
-        return None;
-    }
-    let names = || recorded.named.iter().map(|column| column.name.as_str());
-    let known = names().find(|name| CLOCKS.contains(&plain(name).as_str()));
-    Some(known.map_or_else(|| "COLUMN".to_owned(), str::to_owned))
+    Ok((words.join(" "), rate_hz))
 }
 
 /// Whether the positions are found by the names of their column and their joint.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use tunenet_formats::{Contents, EpisodeColumn, NamedColumn, ReadOptions, suggested_units, unit_of_name};
+use tunenet_formats::{Contents, EpisodeColumn, NamedColumn, ReadOptions, Result, suggested_units, unit_of_name};
 use tunenet_sim::arm::{Joint, JointKind};
 use tunenet_sim::robot::Drive;
 
@@ -60,25 +60,25 @@ pub fn command_unit(
     of_state: Option<&EpisodeColumn>,
 ) -> Option<String> {
     let command = &columns.command;
-    if command.is_in_si() || unit_of_name(&command.column).is_some() {
+    // Numbers of ROS are in SI units (REP 103).
+    if command.topic.is_some() || unit_of_name(&command.column).is_some() {
         return None;
     }
     let found = if drive == Drive::Position { unit(&columns.state, joint, of_state) } else { OPEN.to_owned() };
     (found != own_unit(joint)).then_some(found)
 }
 
-/// What the positions suggest, and their rate. A recording that cannot be read so suggests nothing: the command that reads it says why.
-pub fn suggested(recorded: &Recorded, options: &ReadOptions, columns: &[Columns]) -> (Suggested, Option<f64>) {
-    let Some(first) = columns.first() else { return Default::default() };
+/// What the positions suggest, and their rate.
+///
+/// # Errors
+/// Where they cannot be read.
+pub fn suggested(recorded: &Recorded, options: &ReadOptions, columns: &[Columns]) -> Result<(Suggested, Option<f64>)> {
+    let Some(first) = columns.first() else { return Ok(Default::default()) };
     let topic = first.state.topic.clone();
     let names: Vec<String> = columns.iter().map(|columns| columns.state.column.clone()).collect();
     let options = ReadOptions { topic: topic.clone(), ..options.clone() };
-    match suggested_units(recorded.path, &options, &names) {
-        Ok((found, rate_hz)) => {
-            (found.into_iter().map(|column| ((topic.clone(), column.name.clone()), column)).collect(), rate_hz)
-        }
-        Err(_) => Default::default(),
-    }
+    let (found, rate_hz) = suggested_units(recorded.path, &options, &names)?;
+    Ok((found.into_iter().map(|column| ((topic.clone(), column.name.clone()), column)).collect(), rate_hz))
 }
 
 impl Place {

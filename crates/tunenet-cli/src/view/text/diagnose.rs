@@ -177,10 +177,14 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::Named => format!("NAMED  {}", diagnosis.effects().iter().map(lone).collect::<Vec<_>>().join(" and ")),
         Verdict::OneOf => {
             let why = diagnosis.conclusion.doubt().map_or("these recordings cannot distinguish them".into(), |doubt| {
-                let chosen = answer.chosen().join(" and ");
+                let chosen = answer.chosen();
                 // What no effect explains is explained by none of them by far.
-                let how = if answer.allows_unknown() { "fits best" } else { "by far" };
-                format!("{chosen} {how}, but {doubt}")
+                let how = match (answer.allows_unknown(), chosen.len()) {
+                    (false, _) => "by far",
+                    (true, 1) => "fits best",
+                    (true, _) => "fit best",
+                };
+                format!("{} {how}, but {doubt}", chosen.join(" and "))
             });
             format!("ONE OF  {}: {why}", choices(answer))
         }

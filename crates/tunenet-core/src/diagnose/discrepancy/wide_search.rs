@@ -18,10 +18,10 @@ const HORIZONS: [f64; 3] = [0.3, 0.5, 0.75];
 const FIRST: Effort = Effort { steps: 4, derivatives: 2, ends_measured: false, tolerance: 4.0, horizon: HORIZONS[0] };
 /// The least value of the grid in typical sizes, the ratio of one to the next, up to the bound, and the most values to a side.
 const LEAST: f64 = 0.3;
-const RATIO: f64 = 1.6;
-const MOST_VALUES: usize = 11;
+const RATIO: f64 = 1.3;
+const MOST_VALUES: usize = 20;
 /// Rollouts of first parts that this takes at most, by candidates in their order, most promising first.
-const BUDGET: usize = 30_000;
+const BUDGET: usize = 60_000;
 /// The least share of the grid that is worth a search.
 const COVERED: f64 = 0.25;
 /// Starts that go on: of every candidate the one that suits the first part best, and so many of all that suit the whole best.
