@@ -253,8 +253,13 @@ fn what_is_not_a_programs_is_refused() {
 fn inspect_knows_the_channels_and_runs_nothing() {
     let folder = pendulum();
     folder.write("pendulum.toml", PENDULUM_SCENE.replace("\"pendulum.py\"", "\"-c\", \"open('ran', 'w')\""));
-    let ran = folder.run("inspect swing.csv").ends(1);
-    assert!(ran.stdout.contains("`angle_rad` may be of your own simulator"), "{}", ran.stderr);
+    let ran = folder.run("inspect swing.csv").ends(0);
+    assert!(ran.stdout.contains("a time series: tune robot joints, equations or your own simulator"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("try: check its columns against a simulation file: `--sim FILE.toml`"),
+        "{}",
+        ran.stdout
+    );
     let json = folder.run("inspect swing.csv --sim pendulum.toml --json").ends(0).json();
     assert_eq!((json["usable"].as_bool(), json["columns"][1]["read_as"].as_str()), (Some(true), Some("angle_rad")));
     let json = folder.run("inspect pendulum.toml --json").ends(0).json();

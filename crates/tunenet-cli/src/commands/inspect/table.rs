@@ -47,6 +47,9 @@ pub fn look(
     let tried = read.as_ref().err().and_then(|(_, hint)| hint.clone());
     let remedy = tried.unwrap_or_else(|| remedy(found, options));
     table::verdict(usable, motion.as_ref(), &remedy, shown);
+    if usable.is_ok() && !found.channels.is_empty() {
+        shown.line("  try: check its columns against a simulation file: `--sim FILE.toml`");
+    }
     let object = table::object(found, usable, motion.as_ref(), units.as_ref(), &notes, &remedy);
     let standing = match (&read, usable) {
         (Err(_), _) => Standing::Refused,

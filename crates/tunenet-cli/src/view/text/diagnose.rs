@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{Candidate, Change, Diagnosis, NamedEffect, PartGap, Progress, Verdict};
+use tunenet_core::diagnose::{Candidate, Change, Diagnosis, Doubt, NamedEffect, PartGap, Progress, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
@@ -179,10 +179,10 @@ pub fn sentence(answer: &Answer) -> String {
             let why = diagnosis.conclusion.doubt().map_or("these recordings cannot distinguish them".into(), |doubt| {
                 let chosen = answer.chosen();
                 // What no effect explains is explained by none of them by far.
-                let how = match (answer.allows_unknown(), chosen.len()) {
-                    (false, _) => "by far",
-                    (true, 1) => "fits best",
-                    (true, _) => "fit best",
+                let how = match (doubt, chosen.len()) {
+                    (Doubt::DiscrepancyRemains, 1) => "fits best",
+                    (Doubt::DiscrepancyRemains, _) => "fit best",
+                    _ => "by far",
                 };
                 format!("{} {how}, but {doubt}", chosen.join(" and "))
             });

@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn the_grid_goes_from_a_part_of_the_typical_size_to_the_bounds_of_both_sides() {
         let found = values(&shared((0.0, 0.1), (0.0, 0.01)));
-        assert_eq!(found.len(), 8, "{found:?}");
+        assert_eq!(found.len(), 14, "{found:?}");
         assert!(found[0] == LEAST * 0.01 && found.iter().all(|value| *value < 0.1));
         let found = values(&shared((-1e3, 1e3), (0.0, 0.1)));
         assert_eq!((found.len(), found[0], found[MOST_VALUES]), (2 * MOST_VALUES, LEAST * 0.1, -LEAST * 0.1));

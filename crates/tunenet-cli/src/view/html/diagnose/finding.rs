@@ -1,7 +1,7 @@
 //! The answer at the head of the page: a shape, a word, a sentence that a person can act on.
 
 use maud::{Markup, html};
-use tunenet_core::diagnose::{Change, GapOf, Verdict};
+use tunenet_core::diagnose::{Change, Doubt, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
 use tunenet_sim::phase;
 
@@ -100,7 +100,8 @@ pub fn sentence(answer: &Answer) -> String {
                 format!(", in addition to {}", joined(&words(&firm), "and"))
             };
             let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
-                let how = if answer.allows_unknown() { "the first fits best" } else { "the first by far" };
+                let remains = matches!(doubt, Doubt::DiscrepancyRemains);
+                let how = if remains { "the first fits best" } else { "the first by far" };
                 format!("{how}, but {doubt}")
             });
             format!("{}{place}{or_unknown}{certain}: {why}.", capital(&open.join("; and ")))
