@@ -22,11 +22,14 @@ use self::pages::Counted;
 use self::values::Levels;
 pub(crate) use self::values::Numbers;
 use crate::documents::refuse_git_lfs_pointer;
+use crate::findings;
 use crate::recording::MOST_NUMBERS;
 use crate::ros::stamps::to_s;
 use crate::sheet::Sheet;
+use crate::shown::list;
 use crate::source::open;
 use crate::{Action, Error, Result};
+use tunenet_core::observation::Note;
 
 /// Most columns of a file that are looked at.
 const MOST_COLUMNS: usize = 10_000;
@@ -232,7 +235,7 @@ impl Parquet {
     /// # Errors
     /// As [`Self::numbers`].
     pub fn sheet(&self) -> Result<Sheet> {
-        let mut whole = Sheet::default();
+        let mut whole = Sheet { notes: self.left_out().into_iter().collect(), ..Sheet::default() };
         let too_many = || {
             let message = format!("expected at most {MOST_NUMBERS} numbers, found more");
             Error::file(&self.path, message, "keep the rows and columns that are needed")
@@ -262,6 +265,14 @@ impl Parquet {
             }
         }
         Ok(whole)
+    }
+
+    /// Which columns hold no numbers.
+    fn left_out(&self) -> Option<Note> {
+        let others: Vec<&str> =
+            self.columns.iter().filter(|column| column.of == Holds::Other).map(|column| column.name.as_str()).collect();
+        let text = format!("columns that hold no numbers are left out: {}", list(others.iter().copied(), 6));
+        (!others.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "write them as numbers if they matter"))
     }
 }
 

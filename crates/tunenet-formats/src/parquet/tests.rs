@@ -67,6 +67,7 @@ fn missing_numbers_and_instants_are_read() {
     assert_eq!(found.observation.clock(), [0.0, 2.0, 3.0, 4.0]);
     let sheet = Parquet::open(&path).unwrap().sheet().unwrap();
     assert_eq!(sheet.names, ["t_s", "z_m", "stamp_s"]);
+    assert_eq!(sheet.notes[0].text, "columns that hold no numbers are left out: `note`");
     assert_eq!(sheet.values[2].to_bits(), 1_700_000_000.000_000_001_f64.to_bits());
 }
 
