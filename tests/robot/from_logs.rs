@@ -19,8 +19,11 @@ fn rolled_out(folder: &Folder) -> Vec<[f64; 5]> {
     seen.iter().zip(&given).map(|(seen, given)| [seen[0], seen[1], seen[2], given[1], given[2]]).collect()
 }
 
+/// Times in s, and a number for each joint.
+type Rows = Vec<(f64, Vec<f64>)>;
+
 /// A log of joint states in JSON: topic, names of the joints, and their positions at each time.
-fn log(topics: &[(&str, &[&str], Vec<(f64, Vec<f64>)>)]) -> Vec<u8> {
+fn log(topics: &[(&str, &[&str], Rows)]) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = mcap::Writer::new(&mut bytes).unwrap();
     let mut channels = BTreeMap::new();

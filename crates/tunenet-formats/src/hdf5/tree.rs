@@ -240,7 +240,7 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result
             let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
             match shape(&data) {
                 Some((rows, width, flat)) => {
-                    found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data })
+                    found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data });
                 }
                 None => no_numbers.push(format!("{prefix}{name}")),
             }

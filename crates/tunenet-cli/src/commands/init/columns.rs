@@ -55,13 +55,13 @@ pub fn columns(
     let joints = model.joints();
     let asked = asked(options, &joints, found)?;
     let of_asked = |joint: &Joint| asked.iter().find(|(name, _)| is_called(joint, name)).map(|(_, column)| *column);
-    let states = measured(options, found, joints.iter().map(|joint| joint.name.as_str()))?;
+    let states = measured(options, found, &joints.iter().map(|joint| joint.name.as_str()))?;
     let one = |joint: &&Joint| -> Result<Option<(String, Place, Option<Place>)>> {
         let drive = start.drive(&joint.name);
         let given = of_asked(joint);
         let state = match given {
-            Some((state, _)) => found.iter().find(|column| column.name == state && is_in(column, &states)),
-            None => position(&joint.name, found.iter().filter(|column| is_in(column, &states))),
+            Some((state, _)) => found.iter().find(|column| column.name == state && is_in(column, states.as_deref())),
+            None => position(&joint.name, &found.iter().filter(|column| is_in(column, states.as_deref()))),
         };
         let Some(state) = state else { return Ok(None) };
         let command = match given {
@@ -71,10 +71,10 @@ pub fn columns(
                 let own = format!("{ACTION}{column}");
                 match found.iter().find(|known| known.name == own) {
                     Some(own) => Some(Place::of(own)),
-                    None => commands(&[&joint.name, column], drive, found, &states)?,
+                    None => commands(&[&joint.name, column], drive, found, states.as_deref())?,
                 }
             }
-            None => commands(&[&joint.name], drive, found, &states)?,
+            None => commands(&[&joint.name], drive, found, states.as_deref())?,
         };
         Ok(Some((joint.name.clone(), Place::of(state), command)))
     };
@@ -99,6 +99,6 @@ pub fn columns(
     Ok(all)
 }
 
-fn is_in(column: &NamedColumn, topic: &Option<String>) -> bool {
-    column.topic == *topic
+fn is_in(column: &NamedColumn, topic: Option<&str>) -> bool {
+    column.topic.as_deref() == topic
 }

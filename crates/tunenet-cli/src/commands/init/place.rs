@@ -49,7 +49,7 @@ fn topic_and_column(text: &str) -> Option<(&str, Option<&str>)> {
 }
 
 /// The column of a joint's positions: one whose name is the joint's, or the only one that says so in other words.
-pub fn position<'a>(joint: &str, columns: impl Iterator<Item = &'a NamedColumn> + Clone) -> Option<&'a NamedColumn> {
+pub fn position<'a>(joint: &str, columns: &(impl Iterator<Item = &'a NamedColumn> + Clone)) -> Option<&'a NamedColumn> {
     let own = columns.clone().find(|column| plain(&column.name) == plain(joint));
     let of = |quantity: Option<JointQuantity>| {
         let is = move |column: &&NamedColumn| {

@@ -47,19 +47,21 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         refuse_unnamed(from, &reading, &named)?;
         let columns = columns(options, from, (&model, &start), &named)?;
         notes.extend(held(&model, &columns));
-        let channel: Box<dyn Fn(&Joint, &Columns) -> String> = match &contents {
+        match &contents {
             Contents::Episodes(found) => {
                 notes.extend(found.notes.iter().cloned());
                 recording = Some(flags(from, options, (&model, &start), (found, &columns)));
                 start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
-                Box::new(|joint, columns| position_channel(joint, Some(&columns.state.column)))
             }
             Contents::Table(_) | Contents::Log(_) => {
                 let recorded = Recorded { path: from, contents: &contents, named: &named, reading };
                 let (typed, rate_hz) = typed::flags(&recorded, &model, &start, &columns)?;
                 (recording, start.rate_hz) = (Some(typed), rate_hz);
-                Box::new(|joint, columns| typed::channel(joint, &columns.state))
             }
+        }
+        let channel = |joint: &Joint, columns: &Columns| match &contents {
+            Contents::Episodes(_) => position_channel(joint, Some(&columns.state.column)),
+            Contents::Table(_) | Contents::Log(_) => typed::channel(joint, &columns.state),
         };
         let joints = model.joints();
         let one = |columns: &Columns| {

@@ -18,7 +18,7 @@ use crate::view::text::listed;
 pub fn measured<'a>(
     options: &Init,
     found: &[NamedColumn],
-    joints: impl Iterator<Item = &'a str> + Clone,
+    joints: &(impl Iterator<Item = &'a str> + Clone),
 ) -> Result<Option<String>> {
     let refuse = |expected: String, found: String| {
         Err(Error::Setting { origin: Origin::Flag, name: "--topic", expected, found }.into())
@@ -38,7 +38,7 @@ pub fn measured<'a>(
     }
     for (topic, count) in &mut topics {
         let within = found.iter().filter(|column| column.topic.as_deref() == Some(*topic));
-        *count = joints.clone().filter(|joint| position(joint, within.clone()).is_some()).count();
+        *count = joints.clone().filter(|joint| position(joint, &within).is_some()).count();
     }
     let most = topics.values().copied().max().unwrap_or(0);
     let mut best = topics.iter().filter(|(_, count)| **count == most).map(|(topic, _)| *topic);
@@ -64,7 +64,7 @@ pub fn measured<'a>(
 ///
 /// # Errors
 /// [`Error::Setting`] where several topics have one.
-pub fn commands(names: &[&str], drive: Drive, found: &[NamedColumn], states: &Option<String>) -> Result<Option<Place>> {
+pub fn commands(names: &[&str], drive: Drive, found: &[NamedColumn], states: Option<&str>) -> Result<Option<Place>> {
     let wanted = quantity(drive);
     let of = |column: &NamedColumn| names.iter().find_map(|name| column.of_joint(name));
     let all = |fits: &dyn Fn(&NamedColumn) -> bool| found.iter().filter(|column| fits(column)).collect::<Vec<_>>();
@@ -73,7 +73,9 @@ pub fn commands(names: &[&str], drive: Drive, found: &[NamedColumn], states: &Op
     let bare = all(&|column| of(column).is_some_and(|of| of.command && of.quantity.is_none()));
     // A second topic of the same kind, whose name does not say what it is.
     let other = all(&|column| {
-        column.topic.is_some() && column.topic != *states && of(column).is_some_and(|of| of.quantity == wanted)
+        column.topic.is_some()
+            && column.topic.as_deref() != states
+            && of(column).is_some_and(|of| of.quantity == wanted)
     });
     let Some(some) = [stated, bare, other].into_iter().find(|some| !some.is_empty()) else { return Ok(None) };
     match some.as_slice() {
