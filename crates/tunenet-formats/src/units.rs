@@ -56,7 +56,6 @@ impl UnitRule {
     }
 
     /// Whether it is about a column of this name.
-    #[cfg(feature = "logs")]
     fn is_about(&self, name: &str) -> bool {
         let one = |pattern: &str| match pattern.split_once('*') {
             Some((start, end)) => {
@@ -70,7 +69,6 @@ impl UnitRule {
 }
 
 /// What stands before the name of a joint where a column holds its command.
-#[cfg(feature = "logs")]
 pub(crate) const ACTION: &str = "action.";
 
 /// The rule about a column of this name: the last that fits.
