@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 #[cfg(feature = "logs")]
 use crate::format::is_hdf5;
-use crate::joint_words::unit_of_name;
 use crate::numbered;
 use crate::place::Place;
 #[cfg(feature = "logs")]
@@ -72,7 +71,7 @@ impl EpisodeColumn {
             factor if calibrated.is_some() => format!("{factor:.6}{}", rule.unit),
             factor => format!("{factor}{}", rule.unit),
         });
-        let unit = unit.or_else(|| unit_of_name(name).map(str::to_owned));
+        let unit = unit.or_else(|| UnitRule::of_name(name).map(|rule| rule.unit));
         let why = match calibrated {
             Some(Calibrated { counts, within: (low, high), .. }) => {
                 format!("the calibration file: {low} to {high} are {counts} counts")

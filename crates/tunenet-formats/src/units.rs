@@ -1,10 +1,14 @@
 //! Units of columns whose file does not state them: said with `--units`, or proposed from the numbers themselves.
 
+use crate::joint_words::unit_of_name;
 #[cfg(feature = "logs")]
 use crate::shown::list;
 #[cfg(feature = "logs")]
 use crate::{Origin, Result};
 use tunenet_core::observation::{Channel, plain};
+
+/// Units that count where a name ends in them.
+const BY_NAME: [&str; 10] = ["rad", "deg", "rad_s", "deg_s", "m", "mm", "cm", "m_s", "nm", "n"];
 
 /// What the columns of a name are measured in.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +57,12 @@ impl UnitRule {
                  as in elbow=1.0122deg; found `{text}`"
             )),
         }
+    }
+
+    /// The rule that a name which ends in a unit states by itself: `elbow_deg`. Units that become none of the project's own state none.
+    pub(crate) fn of_name(name: &str) -> Option<Self> {
+        let unit = unit_of_name(name).filter(|unit| BY_NAME.contains(unit))?;
+        Some(Self { name: name.to_owned(), factor: 1.0, unit: unit.to_owned(), calibrated: None })
     }
 
     /// Whether it is about a column of this name.

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use crate::csv::columns::{Layout, found};
 use crate::findings;
-use crate::joint_words::unit_of_name;
 use crate::proposal::proposal;
 use crate::quantity::Quantity;
 use crate::ranges::written_out;
@@ -55,12 +54,17 @@ impl Unstated {
                 Some((_, unit)) if unit != PLAIN && !named(name) && !mapped.contains(&at) => format!("{name}_{unit}"),
                 _ => name.clone(),
             });
-            // A name that ends in a unit states it.
-            factors.push(rule.map(|(factor, _)| factor).or(unit_of_name(name).map(|_| 1.0)));
+            // A name that ends in a unit states it, and is converted as it is where it is not mapped.
+            let by_name = || {
+                let stated = UnitRule::of_name(name)?;
+                Some(if mapped.contains(&at) { units::own(&stated).0 } else { 1.0 })
+            };
+            factors.push(rule.map(|(factor, _)| factor).or_else(by_name));
             rules.push(units::rule(&options.units, name).cloned());
         }
         let converted = |theirs: &str| {
-            let rule = place(theirs).and_then(|at| units::rule(&options.units, &names[at]));
+            let Some(name) = place(theirs).map(|at| &names[at]) else { return false };
+            let rule = units::rule(&options.units, name).cloned().or_else(|| UnitRule::of_name(name));
             rule.is_some_and(|rule| rule.unit != PLAIN)
         };
         let columns = pairs.into_iter().map(|(ours, theirs)| {
@@ -236,7 +240,10 @@ mod tests {
                 .to_vec()
         };
         assert_eq!(found(ReadOptions { channels, ..ReadOptions::default() }), [std::f64::consts::PI]);
-        assert_eq!(found(ReadOptions { columns, ..ReadOptions::default() }), [180.0], "what `--columns` says counts");
+        let half = [std::f64::consts::PI];
+        assert_eq!(found(ReadOptions { columns, ..ReadOptions::default() }), half, "mapped to radians");
+        let in_degrees = vec![("q1_deg".into(), "elbow_deg".into())];
+        assert_eq!(found(ReadOptions { columns: in_degrees, ..ReadOptions::default() }), half, "and to degrees");
     }
 
     #[test]
