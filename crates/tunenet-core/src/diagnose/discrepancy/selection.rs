@@ -1,7 +1,7 @@
 //! Forward selection by the information criterion with few independent values (Schwarz 1978), every effect confirmed by held-out
 //! recordings before the next is looked for.
 
-use super::scale::{BRIEF, FINISH, rescaled};
+use super::scale::{BRIEF, FINISH, LOSS, rescaled};
 use super::selection_step::{DiscrepancyStep, brief_step, selection_step};
 use super::wide_search::{is_affordable, widened};
 use crate::Result;
@@ -129,7 +129,7 @@ fn search_from<'a>(
 
 /// What held-out recordings leave of a hypothesis, as a robust sum of squares in units of the noise.
 fn held_out_cost(held_out: &HeldOut) -> f64 {
-    huber_cost(&held_out.residuals, 1.0)
+    huber_cost(&held_out.residuals, LOSS)
 }
 
 /// The best candidate of a step that the criterion and held-out recordings admit, with the test that these make.

@@ -110,6 +110,7 @@ fn alike(recording: &PreparedRecording, prepared: Prepared) -> PreparedRecording
         filter,
         events: Vec::new(),
         held_still: false,
+        loss_scale: 1.0,
         random_draws: 0,
         random_parameter: None,
     }

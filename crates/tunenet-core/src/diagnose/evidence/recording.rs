@@ -32,6 +32,8 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) noise: Vec<f64>,
     /// The same as measured, before any model discrepancy counts as noise.
     pub(in crate::diagnose) measured_noise: Vec<f64>,
+    /// Residuals beyond 4 times this many robust scales count by their absolute value (Huber 1964).
+    pub(in crate::diagnose) loss_scale: f64,
     /// Whether a value counts, shape `[sample · channel]`.
     pub(in crate::diagnose) keep: Vec<bool>,
     /// How many samples follow its motion, and were cut off.
@@ -141,6 +143,7 @@ impl PreparedRecording {
             filter,
             events,
             held_still: false,
+            loss_scale: 1.0,
             random_draws: 0,
             random_parameter: None,
         }

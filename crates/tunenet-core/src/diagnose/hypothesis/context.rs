@@ -9,7 +9,7 @@ use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::evidence::outliers;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::Entry;
-use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
 use crate::diagnose::{Settings, Subject};
 use crate::estimate::RolloutLog;
@@ -73,8 +73,9 @@ impl<'a> Hypothesis<'a> {
         2.0 * (huber_cost(&self.fit.residuals, scale) + self.fit.prior_part)
     }
 
+    /// The scale of the robust loss.
     pub fn scale(&self) -> f64 {
-        spread(&self.fit.residuals)
+        self.fit.scale
     }
 
     pub fn has(&self, entry: usize) -> bool {

@@ -102,6 +102,8 @@ pub(in crate::diagnose) struct Outcome {
     pub residuals: Vec<Vec<f64>>,
     /// Half the robust sum of squares with that of the nuisance parameters from their priors.
     pub cost: f64,
+    /// Residuals beyond 4 times this count by their absolute value.
+    pub scale: f64,
     /// The part of the cost that the priors have.
     pub prior_part: f64,
     /// Covariance of the shared parameters for noise as stated.
@@ -166,7 +168,7 @@ impl LeastSquares for Portion<'_> {
     }
 
     fn scale(&self, residuals: &[Vec<f64>]) -> f64 {
-        spread(residuals)
+        self.joint.scale(residuals)
     }
 
     fn step(&self, position: usize) -> f64 {
@@ -363,8 +365,14 @@ impl Joint<'_> {
         }
         let part = self.whole();
         let prior_part = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
-        let cost = huber_cost(&residuals, spread(&residuals)) + prior_part;
-        Ok(Outcome { point, residuals, cost, prior_part, covariance })
+        let scale = self.scale(&residuals);
+        let cost = huber_cost(&residuals, scale) + prior_part;
+        Ok(Outcome { point, residuals, cost, scale, prior_part, covariance })
+    }
+
+    /// The scale of the robust loss.
+    fn scale(&self, residuals: &[Vec<f64>]) -> f64 {
+        self.recordings.first().map_or(1.0, |recording| recording.loss_scale) * spread(residuals)
     }
 }
 
