@@ -26,6 +26,8 @@ pub enum Quantity {
     Gear,
     /// How much later a command arrives, s.
     CommandDelay,
+    /// Time constant of a first-order lag of the command, s.
+    CommandLag,
     /// How much later a reading arrives, s.
     ReadingDelay,
     /// How much later the motor is released, s.
@@ -102,6 +104,7 @@ impl Quantity {
             Self::TorqueLimit => ("torque_limit", "N·m"),
             Self::Gear => ("gear", ""),
             Self::CommandDelay => ("command_delay", "s"),
+            Self::CommandLag => ("command_lag", "s"),
             Self::ReadingDelay => ("time_delay", "s"),
             Self::ReleaseDelay => ("release_delay", "s"),
             Self::GoalSpeedLimit => ("speed_limit", "rad/s"),

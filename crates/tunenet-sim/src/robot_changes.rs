@@ -230,6 +230,7 @@ impl OneJoint<'_> {
         let spring = self.of("joint_spring", "nm_rad").map(|ends| ends.map(|end| end + self.of_model.spring));
         let all = [
             (Quantity::CommandDelay, n.command_delay_s, self.of("command_delay", "s")),
+            (Quantity::CommandLag, n.command_lag_s, self.of("command_lag", "s")),
             (Quantity::ReleaseDelay, n.release_delay_s, self.of("release_delay", "s")),
             (
                 Quantity::GoalSpeedLimit,

@@ -71,6 +71,7 @@ impl<'a> Editor<'a> {
                 }
             },
             Quantity::CommandDelay => self.delay(joint, value),
+            Quantity::CommandLag => self.lag(joint, value),
             other => Outcome::Left(why_not(other).into()),
         }
     }
@@ -216,6 +217,27 @@ impl<'a> Editor<'a> {
         let attributes =
             vec![("delay", number(value)), ("nsample", format!("{samples}")), ("interp", "linear".to_owned())];
         Outcome::Written(element, attributes)
+    }
+
+    /// A first-order filter between command and force, which only these elements have.
+    fn lag(&self, joint: usize, value: f64) -> Outcome<'a> {
+        let at = match self.actuator(joint, |_| true) {
+            Ok(at) => at,
+            Err(why) => return Outcome::Left(why),
+        };
+        let element = &self.mjcf.heads.actuators[at];
+        match element.tag.as_str() {
+            "position" => Outcome::Written(element, vec![("timeconst", number(value))]),
+            "general" if value == 0.0 => Outcome::Written(element, vec![("dyntype", "none".into())]),
+            "general" => {
+                let filter =
+                    vec![("dyntype", "filterexact".to_owned()), ("dynprm", with(element, "dynprm", &[Some(value)]))];
+                Outcome::Written(element, filter)
+            }
+            tag => {
+                Outcome::Left(format!("`<{tag}>` has no filter: write it as <general> with dyntype=\"filterexact\""))
+            }
+        }
     }
 
     /// The only actuator of a joint that fits.

@@ -7,6 +7,8 @@ use crate::arm::effects::Imperfections;
 pub(crate) struct DriveEffects {
     pub inverse_speed_s_rad: f64,
     pub command_delay_s: f64,
+    /// Time constant.
+    pub command_lag_s: f64,
     pub command_offset_rad: f64,
     pub release_delay_s: f64,
     pub load_friction: f64,
@@ -29,6 +31,7 @@ impl DriveEffects {
     pub const NONE: Self = Self {
         inverse_speed_s_rad: 0.0,
         command_delay_s: 0.0,
+        command_lag_s: 0.0,
         command_offset_rad: 0.0,
         release_delay_s: 0.0,
         load_friction: 0.0,

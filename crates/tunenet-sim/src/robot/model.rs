@@ -76,6 +76,7 @@ pub(crate) fn driven_joints(
         joint.gap += drive.gap_rad;
         joint.inverse_speed += drive.inverse_speed_s_rad;
         joint.command_delay_s += drive.command_delay_s;
+        joint.command_lag_s += drive.command_lag_s;
         joint.command_offset += drive.command_offset_rad;
         joint.release_delay_s += drive.release_delay_s;
         joint.load_friction += drive.load_friction;

@@ -62,6 +62,8 @@ pub(crate) struct JointNumbers {
     /// Reciprocal of the greatest speed of the internal goal; 0 without a limit.
     pub inverse_speed: f64,
     pub command_delay_s: f64,
+    /// Time constant of the lag behind its commands.
+    pub command_lag_s: f64,
     /// How much above its command the motor goes.
     pub command_offset: f64,
     /// Delay of switching the motor on or off.
@@ -121,6 +123,7 @@ impl JointNumbers {
             gap: 0.0,
             inverse_speed: 0.0,
             command_delay_s: 0.0,
+            command_lag_s: 0.0,
             command_offset: 0.0,
             release_delay_s: 0.0,
             load_friction: 0.0,

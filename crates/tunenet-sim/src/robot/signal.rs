@@ -1,5 +1,5 @@
-//! Means of a sampled signal over integration steps, exact where a sample falls inside a step, and the same behind a rate limiter
-//! (zero-order or first-order hold: Åström and Wittenmark 1997, section 7).
+//! Means of a sampled signal over integration steps, exact where a sample falls inside a step, and the same behind a rate limiter or a
+//! lag of first order (zero-order or first-order hold: Åström and Wittenmark 1997, section 7).
 
 use tunenet_core::observation::{Hold, Input};
 
@@ -84,6 +84,34 @@ impl<'a> Signal<'a> {
     }
 }
 
+/// A lag of first order behind what is constant in each step: τ · dy/dt = u − y.
+#[derive(Debug, Clone)]
+pub(super) struct Lag {
+    time_constant_s: f64,
+    at: f64,
+    /// The step that it was moved by last, and what is left of a difference after it: steps are equal, but for the last.
+    decay: (f64, f64),
+}
+
+impl Lag {
+    /// It stands at `at`.
+    pub fn new(time_constant_s: f64, at: f64) -> Self {
+        Self { time_constant_s, at, decay: (0.0, 1.0) }
+    }
+
+    /// Its mean over a step of `step_s` in which it follows `input`.
+    #[inline]
+    pub fn mean(&mut self, input: f64, step_s: f64) -> f64 {
+        if self.decay.0 != step_s {
+            self.decay = (step_s, (-step_s / self.time_constant_s).exp());
+        }
+        let behind = self.at - input;
+        let left = behind * self.decay.1;
+        self.at = input + left;
+        input + (behind - left) * self.time_constant_s / step_s
+    }
+}
+
 /// Moves `follower` after a straight piece for `duration` s; returns its integral over that time.
 fn follow(follower: &mut f64, (first, last): (f64, f64), duration: f64, rate: f64) -> f64 {
     let (behind, slope) = (*follower - first, (last - first) / duration);
@@ -124,6 +152,21 @@ mod tests {
         assert_eq!(signal.mean(0.0, 1.0), 0.0);
         assert_eq!(signal.mean(1.0, 1.5), 1.0);
         assert_eq!(signal.mean(1.5, 9.0), 2.0);
+    }
+
+    #[test]
+    fn a_lag_follows_a_step_by_its_exponential() {
+        let mut lag = Lag::new(0.05, 1.0);
+        let mut area = 0.0;
+        for step_s in [0.01, 0.01, 0.03] {
+            area += step_s * lag.mean(3.0, step_s);
+        }
+        // 3 − 2 e^(−t/τ) at t = τ, and its integral until then.
+        let left = (-1.0_f64).exp();
+        assert!((lag.at - (3.0 - 2.0 * left)).abs() < 1e-12, "{lag:?}");
+        assert!((area - (3.0 * 0.05 - 2.0 * 0.05 * (1.0 - left))).abs() < 1e-12, "{area}");
+        // One far shorter than a step changes nothing.
+        assert!((Lag::new(1e-12, 1.0).mean(3.0, 0.001) - 3.0).abs() < 1e-8);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! How the recorded command of a joint reaches its motor: delays, the speed limit of the internal goal, switching on and off.
+//! How the recorded command of a joint reaches its motor: delays, the speed limit of the internal goal, a lag, switching on and off.
 
 use tunenet_core::observation::Input;
 
 use super::numbers::{Command, Drive, JointNumbers};
-use super::signal::Signal;
+use super::signal::{Lag, Signal};
 
 /// The command of one joint and whether its motor is on, step by step.
 #[derive(Debug, Clone)]
@@ -12,6 +12,8 @@ pub(super) struct Wire<'a> {
     enable: Option<Signal<'a>>,
     /// The greatest rate of the internal goal, and where that is.
     limit: Option<(f64, f64)>,
+    /// What lags behind that.
+    lag: Option<Lag>,
 }
 
 impl<'a> Wire<'a> {
@@ -21,7 +23,9 @@ impl<'a> Wire<'a> {
         let enable = enable.map(|input| Signal::new(input, start_s, joint.release_delay_s));
         let limited = joint.drive == Drive::Position && joint.inverse_speed > 0.0;
         let limit = goal.as_ref().filter(|_| limited).map(|goal| (joint.inverse_speed.recip(), goal.now(start_s)));
-        Self { goal, enable, limit }
+        let lags = goal.as_ref().filter(|_| joint.command_lag_s > 0.0);
+        let lag = lags.map(|goal| Lag::new(joint.command_lag_s, goal.now(start_s)));
+        Self { goal, enable, limit, lag }
     }
 
     /// What arrives from one instant (s) to the next. Steps have to follow one another.
@@ -32,6 +36,7 @@ impl<'a> Wire<'a> {
             (Some(goal), None) => goal.mean(from_s, to_s),
             (None, _) => 0.0,
         };
+        let goal = self.lag.as_mut().map_or(goal, |lag| lag.mean(goal, to_s - from_s));
         let on = self.enable.as_mut().map_or(1.0, |enable| enable.mean(from_s, to_s).clamp(0.0, 1.0));
         Command { goal, on }
     }

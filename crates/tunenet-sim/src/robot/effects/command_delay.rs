@@ -11,7 +11,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("s", "s", 0.0, (0.0, 0.5), 0.01)],
     plausible: &[(0.0, 0.2)],
     sentence: "the motor acts on commands of some time ago",
-    mistaken_for: &["time_delay", "position_latch", "firmware_damping"],
+    mistaken_for: &["time_delay", "command_lag", "position_latch", "firmware_damping"],
     restates: None,
     repeated_by: &[],
     twins: &[RobotTwin {

@@ -6,6 +6,7 @@
 
 mod backlash;
 mod command_delay;
+mod command_lag;
 mod command_offset;
 mod dead_band;
 mod directional_friction;
@@ -91,15 +92,19 @@ const OF_ARMS: [(&str, &[Number]); 7] = [
     ("base_tilt", &[]),
 ];
 
-/// What a wrong mass looks like in one setup: a tilt scales the weight of a joint by its cosine.
-const FEIGNED_BY_MASSES: [&str; 2] = ["base_tilt", "payload_com_offset"];
+/// What looks like an effect in one setup, and what does: a tilt scales the weight of a joint by its cosine, as a wrong mass does, and the
+/// mean over the phases of a latch is a short lag.
+const FEIGNED_BY: [(&str, &str); 3] =
+    [("base_tilt", WRONG_MASSES), ("payload_com_offset", WRONG_MASSES), ("position_latch", OTHER_TIMING)];
 const WRONG_MASSES: &str = "a wrong mass or centre of mass of a link or load";
+const OTHER_TIMING: &str = "a filter or an interpolation of commands or readings";
 
-const OWN: [&RobotEffect; 19] = [
+const OWN: [&RobotEffect; 20] = [
     &stribeck_friction::EFFECT,
     &joint_elasticity::EFFECT,
     &speed_limit::EFFECT,
     &command_delay::EFFECT,
+    &command_lag::EFFECT,
     &command_offset::EFFECT,
     &release_delay::EFFECT,
     &load_friction::EFFECT,
@@ -191,7 +196,7 @@ impl RobotEffect {
             repeated_by: if self.repeated_by.is_empty() { Vec::new() } else { joints.iter().map(repeating).collect() },
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
-            feigned_by: FEIGNED_BY_MASSES.contains(&self.name).then_some(WRONG_MASSES.into()),
+            feigned_by: FEIGNED_BY.iter().find(|(name, _)| *name == self.name).map(|(_, by)| (*by).into()),
             ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
         }
     }
@@ -232,9 +237,10 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_mass_looks_like_a_tilt() {
+    fn a_wrong_mass_looks_like_a_tilt_and_a_filter_like_a_latch() {
         let feigned = |name: &str| RobotEffect::find(name).unwrap().entry(&["a"], |_| true).feigned_by;
         assert_eq!(feigned("base_tilt").as_deref(), Some(WRONG_MASSES));
+        assert_eq!(feigned("position_latch").as_deref(), Some(OTHER_TIMING));
         assert_eq!(feigned("dead_band"), None);
     }
 

@@ -12,7 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("s", "s", 0.0, (0.0, 0.2), 0.005)],
     plausible: &[(0.0, 0.05)],
     sentence: "the device renews the position that is read with this period, at an unknown phase",
-    mistaken_for: &["time_delay", "command_delay"],
+    mistaken_for: &["time_delay", "command_delay", "command_lag"],
     restates: None,
     repeated_by: &[],
     twins: &[],

@@ -11,7 +11,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("inverse_s_rad", "s/rad", 0.0, (0.0, 10.0), 0.15)],
     plausible: &[(0.0, 5.0)],
     sentence: "the firmware moves its own goal no faster than 1/s, `inverse_s_rad` being s; 0 is no limit",
-    mistaken_for: &["command_delay", "duty_limit", "firmware_damping"],
+    mistaken_for: &["command_delay", "command_lag", "duty_limit", "firmware_damping"],
     restates: None,
     repeated_by: &[],
     twins: &[],

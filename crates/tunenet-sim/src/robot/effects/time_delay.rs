@@ -11,7 +11,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("delay_s", "s", 0.0, (0.0, 0.5), 0.01)],
     plausible: &[(0.0, 0.2)],
     sentence: "joints are read as they were some time ago",
-    mistaken_for: &["command_delay", "position_latch"],
+    mistaken_for: &["command_delay", "command_lag", "position_latch"],
     restates: None,
     repeated_by: &[],
     twins: &[RobotTwin {

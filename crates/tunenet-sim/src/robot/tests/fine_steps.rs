@@ -10,6 +10,7 @@ struct Truth {
     kp: f64,
     speed_limit: f64,
     delay: f64,
+    lag: f64,
     mu: f64,
     kd: f64,
     stribeck: f64,
@@ -20,16 +21,18 @@ struct Truth {
 
 /// Positions every 10 ms for 6 s, off after `off_s`.
 fn reference(truth: Truth, goal: &dyn Fn(f64) -> f64, off_s: f64) -> Vec<f64> {
-    let Truth { mass, length, kp, speed_limit, delay, mu, kd, stribeck, quadratic, dead_band, offset } = truth;
+    let Truth { mass, length, kp, speed_limit, delay, lag, mu, kd, stribeck, quadratic, dead_band, offset } = truth;
     let dt = 5e-6;
     let inertia = 0.022 + mass * length * length + 1e-9;
     let (mut q, mut w, mut own) = (0.0_f64, 0.0_f64, goal(-delay));
+    let mut late = own;
     let mut found = vec![q];
     for k in 0..1_200_000_u32 {
         let t = f64::from(k) * dt;
         let wanted = goal(t - delay);
         own = if speed_limit > 0.0 { own + (wanted - own).clamp(-speed_limit * dt, speed_limit * dt) } else { wanted };
-        let error = own + offset - q;
+        late = if lag > 0.0 { late + dt / lag * (own - late) } else { own };
+        let error = late + offset - q;
         let error = error - error.clamp(-dead_band, dead_band);
         let duty = (0.166 * kp * error - kd * w).clamp(-1.0, 1.0);
         let motor = if t < off_s { 6.0 * duty - 1.2 * w } else { 0.0 };
@@ -53,6 +56,7 @@ const NONE: Truth = Truth {
     kp: 16.0,
     speed_limit: 0.0,
     delay: 0.0,
+    lag: 0.0,
     mu: 0.0,
     kd: 0.0,
     stribeck: 0.0,
@@ -75,6 +79,7 @@ fn one_millisecond_is_within_half_a_milliradian_of_five_microseconds() {
     let all = Truth {
         speed_limit: 4.8,
         delay: 0.033,
+        lag: 0.02,
         mu: 0.19,
         kd: 0.05,
         stribeck: 0.05,
@@ -92,10 +97,10 @@ fn one_millisecond_is_within_half_a_milliradian_of_five_microseconds() {
             let joint = JointNumbers { kp: truth.kp, kd: truth.kd, ..servo() };
             let names =
                 ["speed_limit", "command_delay", "load_friction", "quadratic_friction", "dead_band", "command_offset"];
-            let names = [&names[..], &["stribeck_friction"]].concat();
+            let names = [&names[..], &["command_lag", "stribeck_friction"]].concat();
             let slow = if truth.speed_limit > 0.0 { truth.speed_limit.recip() } else { 0.0 };
-            let numbers =
-                [slow, truth.delay, truth.mu, truth.quadratic, truth.dead_band, truth.offset, truth.stribeck, 0.1];
+            let Truth { delay, mu, quadratic, dead_band, offset, lag, stribeck, .. } = truth;
+            let numbers = [slow, delay, mu, quadratic, dead_band, offset, lag, stribeck, 0.1];
             let robot = pendulum(truth.mass, truth.length, joint, &names, 0.001);
             let off = if number == 0 { 99.0 } else { 4.003_7 };
             let found = rolled(&robot, vec![command(goal), on_until(off)], &[0.0; 2], &numbers, &clock(6.0));
