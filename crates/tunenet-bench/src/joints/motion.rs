@@ -50,13 +50,16 @@ impl Drive {
         let count = (last / dt).ceil() as usize + 2;
         let off = run.off_s() + secrets.release_delay_s;
         let (mut near, mut own) = (0, run.goal[0]);
+        let mut late = own;
+        let stays = if secrets.command_lag_s > 0.0 { (-dt / secrets.command_lag_s).exp() } else { 0.0 };
         let mut drive = Self { goal: Vec::with_capacity(count), on: Vec::with_capacity(count) };
         for k in 0..count {
             let t = k as f64 * dt;
             let wanted = run.goal_at(t - secrets.command_delay_s, &mut near);
             let most = if secrets.inverse_speed_s_rad > 0.0 { dt / secrets.inverse_speed_s_rad } else { f64::INFINITY };
             own = if k == 0 { wanted } else { own + (wanted - own).clamp(-most, most) };
-            drive.goal.push(own);
+            late = if k == 0 { own } else { own + (late - own) * stays };
+            drive.goal.push(late);
             // The instant within whose step it is switched counts by its share.
             drive.on.push(((off - t) / dt + 0.5).clamp(0.0, 1.0));
         }

@@ -60,6 +60,8 @@ pub const GRAVITY_M_S2: f64 = 9.81;
 pub struct Secrets {
     pub inverse_speed_s_rad: f64,
     pub command_delay_s: f64,
+    /// Time constant.
+    pub command_lag_s: f64,
     pub reading_delay_s: f64,
     pub release_delay_s: f64,
     /// Friction by the torque that the gear carries.
@@ -90,6 +92,7 @@ impl Secrets {
     pub const NONE: Self = Self {
         inverse_speed_s_rad: 0.0,
         command_delay_s: 0.0,
+        command_lag_s: 0.0,
         reading_delay_s: 0.0,
         release_delay_s: 0.0,
         load_friction: 0.0,
@@ -137,9 +140,10 @@ const fn secret(name: &'static str, greatest: f64, act: fn(&mut Secrets, f64, Sh
 }
 
 /// Every effect of the catalogue that one joint shows and that its parameters do not hold already.
-pub const SECRETS: [Secret; 21] = [
+pub const SECRETS: [Secret; 22] = [
     secret("speed_limit", 1.0, |s, size, _| s.inverse_speed_s_rad = size),
     secret("command_delay", 0.15, |s, size, _| s.command_delay_s = size),
+    secret("command_lag", 0.15, |s, size, _| s.command_lag_s = size),
     secret("time_delay", 0.15, |s, size, _| s.reading_delay_s = size),
     secret("release_delay", 0.15, |s, size, _| s.release_delay_s = size),
     secret("load_friction", 0.5, |s, size, _| s.load_friction = size),
