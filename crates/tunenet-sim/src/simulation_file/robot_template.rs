@@ -258,7 +258,13 @@ fn value(
     let around = |value: f64, least: f64, greatest: f64| [value, least, (10.0 * value).max(greatest)];
     let stated = |of: fn(&StatedMotor) -> f64| motor.map(of).filter(|value| *value > 0.0);
     let of_joint = |value: f64| Some(value).filter(|value| *value > 0.0);
-    let greatest = default[2];
+    // What a strong motor moves may brake it strongly.
+    let strength = motor.and_then(|motor| motor.stall_torque).or(effort).unwrap_or(0.0);
+    let greatest = match number {
+        "coulomb" => default[2].max(FRICTION_OF_STRENGTH * strength),
+        "viscous" | "back_emf" => default[2].max(BRAKING_OF_STRENGTH_S_RAD * strength),
+        _ => default[2],
+    };
     // A model that states a motor and none of a number means 0.
     let absent = motor.map(|_| [0.0, 0.0, greatest]);
     let found = match number {
@@ -281,8 +287,12 @@ fn value(
             .or(absent),
         _ => None,
     };
-    found.unwrap_or(default)
+    found.unwrap_or([default[0], default[1], greatest])
 }
+
+/// Dry friction is at most this share of the greatest torque of a motor, and braking at 1 rad/s (m/s) at most that share.
+const FRICTION_OF_STRENGTH: f64 = 0.5;
+const BRAKING_OF_STRENGTH_S_RAD: f64 = 0.2;
 
 /// How far the zero of a log may be from that of the model, rad or m: a quarter turn, since a log that is normalised to the range of its
 /// calibration has a zero of its own.
