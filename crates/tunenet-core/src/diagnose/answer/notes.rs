@@ -13,7 +13,10 @@ use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::findings;
 use crate::observation::{Note, three_digits, with_decimals};
+use crate::simulator::Parameter;
 
+/// A value within this share of its range from a bound lies at it.
+const NEAR_BOUND: f64 = 1e-6;
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 
@@ -139,8 +142,8 @@ fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Ve
     }
 }
 
-/// Says which parameters have an interval as wide as their bounds, less those of `model` on which the recordings do not depend at
-/// all: these are noted [already](note_unidentifiable).
+/// Says which parameters have an interval as wide as their bounds, or end on one where they would go farther, less those of `model` on which
+/// the recordings do not depend at all: these are noted [already](note_unidentifiable).
 pub(in crate::diagnose) fn note_undetermined(
     context: &Context<'_>,
     model: &Hypothesis,
@@ -155,7 +158,14 @@ pub(in crate::diagnose) fn note_undetermined(
     };
     for one in tuned.iter().filter(|one| !silent(one)) {
         let parameters = context.subjects[one.object].simulator.parameters();
-        if !one.is_determined(parameters) {
+        let determined = one.is_determined(parameters);
+        let open = !determined || context.evidence.discrepancy();
+        if let Some(bound) = parameters.iter().filter(|_| open).find_map(|p| bound_reached(p, one)) {
+            let text = format!("`{}` ends on its bound {bound}", one.name);
+            let remedy =
+                "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out";
+            notes.push(Note::new(findings::PARAMETER_AT_BOUND, text, remedy));
+        } else if !determined {
             let (low, high) = one.interval95;
             let interval = format!("{} to {}", three_digits(low), three_digits(high));
             let text = format!(
@@ -166,6 +176,13 @@ pub(in crate::diagnose) fn note_undetermined(
             notes.push(Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy));
         }
     }
+}
+
+/// The bound of its parameter on which a value ends, other than 0, which is an end by nature.
+fn bound_reached(parameter: &Parameter, one: &Tuned) -> Option<f64> {
+    let near = |bound: &f64| *bound != 0.0 && (one.value - bound).abs() <= NEAR_BOUND * parameter.span();
+    Some(parameter).filter(|p| p.name == one.name && p.span() > 0.0)?;
+    [parameter.min, parameter.max].into_iter().find(near)
 }
 
 /// Whether another value of the shared parameter of this column, within its bounds, would change anything that counts.
@@ -248,7 +265,25 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
 
 #[cfg(test)]
 mod tests {
-    use super::excluded;
+    use super::{Parameter, Tuned, bound_reached, excluded};
+
+    #[test]
+    fn a_value_on_a_bound_other_than_0_is_noticed() {
+        let parameter = Parameter::new("a", "1", 1.0, 0.0, 2.0).unwrap();
+        let tuned = |name: &str, value: f64| Tuned {
+            object: 0,
+            name: name.into(),
+            unit: "1".into(),
+            given: 1.0,
+            before: 1.0,
+            value,
+            interval95: (0.0, 2.0),
+        };
+        assert_eq!(bound_reached(&parameter, &tuned("a", 2.0)), Some(2.0));
+        assert_eq!(bound_reached(&parameter, &tuned("a", 0.0)), None);
+        assert_eq!(bound_reached(&parameter, &tuned("a", 1.99)), None);
+        assert_eq!(bound_reached(&parameter, &tuned("b", 2.0)), None);
+    }
 
     #[test]
     fn what_does_not_count_is_said_with_its_share() {
