@@ -91,12 +91,15 @@ fn of_object(answer: &Answer, number: usize) -> (Vec<Value>, Vec<String>) {
     for named in answer.effects_of(number) {
         for (place, c) in named.coefficients.iter().enumerate() {
             let Some(value) = value_of(c, number) else { continue };
-            let name = format!("effects.{}.{}", named.effect.name, c.key);
             let same = |others: &[Fitted]| others.iter().filter(|other| other.key == c.key).count();
+            let key = format!("effects.{}.{}", named.effect.name, c.key);
+            // Of several joints, with the number of its own.
+            let name = match same(&named.coefficients) {
+                1 => key,
+                _ => format!("{key}.{}", same(&named.coefficients[..=place])),
+            };
             if named.determines(&c.key, value) {
                 ranges.push(range(&name, &c.unit, value.value, value.interval95));
-            } else if same(&named.coefficients) > 1 {
-                open.push(format!("{name}.{}", same(&named.coefficients[..=place])));
             } else {
                 open.push(name);
             }
