@@ -14,7 +14,7 @@ Examples:
   tunenet bench tuning --quick --only easy-0 easy-2cm
   tunenet bench diagnose --quick --only clean ratio-10
   tunenet bench diagnose --shard 0/8        one of eight shards; `tunenet merge` combines them
-All but `speed`, `rollouts` and `grow` resume an interrupted run when the same command is given again.";
+All but `speed`, `rollouts`, `recorded` and `grow` resume an interrupted run when the same command is given again.";
 
 /// Run the benchmarks
 #[derive(Debug, Parser)]
@@ -66,6 +66,8 @@ pub enum Measured {
     Law(BenchLaw),
     /// Accuracy of `diagnose` on synthetic runs of a robot joint
     Joints(BenchJoints),
+    /// Errors of `diagnose` on recordings of real joints, compared with published models
+    Recorded(BenchRecorded),
     /// Interval coverage and false-alarm rate of `tune`
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
@@ -389,6 +391,33 @@ pub struct BenchJoints {
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What `bench recorded` diagnoses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+pub enum RecordedRow {
+    /// A servo of a small arm (STS3215) that swings loads: 20 runs, and 20 held out
+    Servo,
+    /// The drive of EMPS, from its voltage to its position
+    Drive,
+}
+
+/// `tunenet bench recorded`.
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
+pub struct BenchRecorded {
+    /// Folder of the recordings, with `servo-sts3215` and `emps` [default: the environment variable `TUNENET_MEASURED`]
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER")]
+    pub measured: Option<PathBuf>,
+    /// Folder for results, and for what the tool was given and found
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-recorded")]
+    pub out: PathBuf,
+    /// Run only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<RecordedRow>,
     #[command(flatten)]
     pub common: Common,
 }

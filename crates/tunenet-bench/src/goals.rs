@@ -108,6 +108,17 @@ pub const JOINTS_FALSE_NAMES: f64 = 0.01;
 /// ... most rollouts of an answer to three runs, the median.
 pub const JOINTS_ROLLOUTS: f64 = 2000.0;
 
+/// `bench recorded`, a servo: greatest mean absolute error of held-out runs, rad, of the first answer and with all that these admit; the
+/// effects that a trial of the same runs supports; most rollouts and seconds of an answer to twenty runs with twenty held out.
+pub const SERVO_MAE_RAD: f64 = 0.0145;
+pub const SERVO_MAE_ALL_RAD: f64 = 0.0125;
+pub const SERVO_NAMES: [&str; 3] = ["speed_limit", "command_delay", "load_friction"];
+pub const SERVO_ROLLOUTS: f64 = 60_000.0;
+pub const SERVO_S: f64 = 20.0;
+/// ... the drive of EMPS: greatest error of the simulation without feedback, mm, and what is offered first.
+pub const DRIVE_RMS_MM: f64 = 2.9;
+pub const DRIVE_NAME: &str = "directional_friction";
+
 /// `bench rollouts`, most rollouts: a cart with one recording and with six, a two-link arm, 20 parameters with 10 recordings, and a
 /// ball without noise.
 pub const CART_ROLLOUTS: usize = 80;

@@ -14,6 +14,7 @@ mod output;
 mod paper;
 mod preflight;
 mod process;
+mod recorded;
 mod regions;
 mod resume;
 mod rollouts;
@@ -73,7 +74,9 @@ fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
         Measured::Preflight(options) => (&mut options.out, &mut options.common),
         Measured::Paper(options) => (&mut options.out, &mut options.common),
         Measured::Shot(options) => (&mut options.out, &mut options.common),
-        Measured::Speed(_) | Measured::Rollouts(_) | Measured::Grow(_) => anyhow::bail!("this bench has no shards"),
+        Measured::Speed(_) | Measured::Rollouts(_) | Measured::Recorded(_) | Measured::Grow(_) => {
+            anyhow::bail!("this bench has no shards")
+        }
     };
     *folder = out.into();
     common.json = as_json;
@@ -87,6 +90,7 @@ fn measure(bench: &Measured) -> Result<Exit> {
         Measured::Diagnose(options) => diagnose::run(options),
         Measured::Law(options) => law::run(options),
         Measured::Joints(options) => joints::run(options),
+        Measured::Recorded(options) => recorded::run(options),
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
         Measured::Rollouts(options) => rollouts::run(options),

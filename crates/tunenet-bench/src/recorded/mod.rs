@@ -1,0 +1,109 @@
+//! `tunenet bench recorded`: what `diagnose` makes of real joints, whose recordings are no part of this project, held against figures that
+//! others published for the same recordings.
+
+mod drive;
+mod servo;
+mod table;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+use tunenet_cli::exit_status::Exit;
+use tunenet_cli::view::answer as view;
+use tunenet_cli::view::json::print_json;
+use tunenet_cli::view::text::stage;
+
+use crate::args::{BenchRecorded, RecordedRow};
+use crate::goals::met;
+use crate::output::{file_of, write_all};
+
+/// What is measured, held against its goal.
+#[derive(Debug, Clone, Serialize)]
+struct Row {
+    what: &'static str,
+    aim: String,
+    measured: String,
+    /// What others have for the same recordings.
+    others: &'static str,
+    /// `None` where it is only reported.
+    met: Option<bool>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct RecordedResults {
+    schema: &'static str,
+    version: &'static str,
+    rows: Vec<Row>,
+}
+
+pub fn run(options: &BenchRecorded) -> Result<Exit> {
+    let measured = folder(options)?;
+    std::fs::create_dir_all(&options.out).with_context(|| format!("creating {}", options.out.display()))?;
+    let mut rows = Vec::new();
+    let wanted = |row: RecordedRow| options.only.is_empty() || options.only.contains(&row);
+    if wanted(RecordedRow::Servo) {
+        stage("diagnose", "the servo");
+        rows.extend(servo::rows(&measured.join("servo-sts3215"), &own(&options.out, "servo")?)?);
+    }
+    if wanted(RecordedRow::Drive) {
+        stage("diagnose", "the drive");
+        rows.extend(drive::rows(&measured.join("emps"), &own(&options.out, "drive")?)?);
+    }
+    let results = RecordedResults { schema: "tunenet.bench.recorded/1", version: env!("CARGO_PKG_VERSION"), rows };
+    let (text, value) = (markdown(&results), serde_json::to_value(&results)?);
+    write_all(&options.out, [("recorded.md", text.clone()), ("recorded.json", file_of(&value))])?;
+    view::text(options.common.json, &text)?;
+    stage("wrote", &options.out.join("recorded.md").display().to_string());
+    if options.common.json {
+        print_json(&value)?;
+    }
+    Ok(Exit::Done)
+}
+
+/// The folder of the recordings.
+fn folder(options: &BenchRecorded) -> Result<PathBuf> {
+    let named = || std::env::var_os("TUNENET_MEASURED").map(PathBuf::from);
+    let Some(folder) = options.measured.clone().or_else(named) else {
+        bail!(
+            "the recordings are no part of this project: expected their folder as --measured, or in TUNENET_MEASURED"
+        );
+    };
+    std::fs::canonicalize(&folder).with_context(|| format!("opening {}", folder.display()))
+}
+
+/// An empty folder within `out`.
+fn own(out: &Path, name: &str) -> Result<PathBuf> {
+    let folder = out.join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).with_context(|| format!("emptying {}", folder.display()))?;
+    }
+    std::fs::create_dir(&folder).with_context(|| format!("creating {}", folder.display()))?;
+    Ok(folder)
+}
+
+/// The table. Writing to a string cannot fail, so its results are dropped.
+fn markdown(results: &RecordedResults) -> String {
+    let mut out = String::from("| what | aim | measured | others | |\n|---|---|---:|---|---|\n");
+    for Row { what, aim, measured, others, met: is } in &results.rows {
+        let _ = writeln!(out, "| {what} | {aim} | {measured} | {others} | {} |", is.map_or("", met));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_without_a_goal_have_no_verdict() {
+        let row = |met| Row { what: "error", aim: "at most 1".into(), measured: "2".into(), others: "3", met };
+        let results =
+            RecordedResults { schema: "s", version: "0", rows: vec![row(None), row(Some(true)), row(Some(false))] };
+        let text = markdown(&results);
+        let ends: Vec<&str> =
+            text.lines().skip(2).map(|line| line.trim_start_matches("| error | at most 1 | 2 | 3 ")).collect();
+        assert_eq!(ends, ["|  |", &format!("| {} |", met(true)), &format!("| {} |", met(false))]);
+    }
+}
