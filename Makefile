@@ -65,6 +65,7 @@ book: target/tools/bin/mdbook ## build docs/ as a book into target/book
 
 licences: target/tools/bin/cargo-deny ## check licences, sources and bans of every dependency (deny.toml)
 	@$< --workspace check licenses bans sources
+	@sha256sum Cargo.lock deny.toml > .ci/licences.sha256
 
 model: cargo ## train the built-in network again
 	@assets/networks/make.sh
