@@ -27,11 +27,11 @@ use self::compiler::Compiler;
 use self::defaults::Classes;
 use self::effective_inertia::EffectiveInertias;
 use self::ties::Names;
-use crate::Result;
 use crate::given::Given;
 use crate::robot::{Actuator, Link, Robot, Target};
 use crate::unused::{Changes, Collector};
-use crate::xml::{Document, Element};
+use crate::xml::{Document, Element, shown};
+use crate::{Error, Result};
 
 /// Where things of the robot stand: elements without their children, in the order of the robot's lists.
 #[derive(Debug, Clone, Default)]
@@ -85,8 +85,7 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
     let (mut links, joints, mut heads) = (tree.links, tree.joints, tree.heads);
     finish_inertias(&document, &mut links, &compiler)?;
     if links.is_empty() {
-        let message = "expected bodies in <worldbody>, found none";
-        return Err(document.error_at(&document.root, message, "is this the model of a robot, or only a part of one?"));
+        return Err(without_bodies(&document));
     }
     let names: Names = joints.iter().enumerate().map(|(i, joint)| (joint.name.as_str(), i)).collect();
     let couplings = ties::couplings(&document, &classes, &names)?;
@@ -106,6 +105,30 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
     robot.unused = unused.finish(&document.files);
     let (degrees, auto_limits) = (compiler.degrees, compiler.auto_limits);
     Ok(Mjcf { robot, document, heads, degrees, auto_limits, timestep_s: option.1, servos })
+}
+
+/// Elements that make bodies, and that the reader leaves out.
+const MAKERS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
+
+/// That there are no bodies, and which element would make some.
+fn without_bodies(document: &Document) -> Error {
+    fn maker(element: &Element) -> Option<&Element> {
+        let own = Some(element).filter(|element| MAKERS.contains(&element.tag.as_str()));
+        own.or_else(|| element.children.iter().find_map(maker))
+    }
+    match document.root.named("worldbody").find_map(maker) {
+        Some(element) => {
+            let message = format!(
+                "expected bodies in <worldbody>, found none without <{}>, which is not read",
+                shown(&element.tag)
+            );
+            document.error_at(element, message, "write the bodies themselves: MuJoCo saves a model with them")
+        }
+        None => {
+            let message = "expected bodies in <worldbody>, found none";
+            document.error_at(&document.root, message, "is this the model of a robot, or only a part of one?")
+        }
+    }
 }
 
 /// Bounds, balance and the total mass that `<compiler>` asks for.

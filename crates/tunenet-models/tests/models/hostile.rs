@@ -62,6 +62,11 @@ fn each_mistake_has_one_sentence_at_its_line() {
         (&format!("<mujoco><worldbody{many}/></mujoco>"), "attributes", 1),
         ("<!DOCTYPE a [<!ENTITY l \"lol\"><!ENTITY m \"&l;&l;\">]>\n<mujoco model=\"&m;\"/>", "expected text", 2),
         ("<mujoco/>", "expected bodies", 1),
+        (
+            "<mujoco><worldbody><frame>\n<replicate count='3'><body/></replicate></frame></worldbody></mujoco>",
+            "expected bodies in <worldbody>, found none without <replicate>, which is not read",
+            2,
+        ),
         ("<sdf/>", "found an SDF", 1),
         ("<html/>", "expected an MJCF (<mujoco>) or a URDF (<robot>), found <html>", 1),
         ("<mujocoinclude/>", "found a part of an MJCF", 1),
