@@ -29,12 +29,19 @@ pub struct Limits {
     pub velocity: f64,
     /// Greatest torque or force, N·m or N.
     pub effort: f64,
+    /// Whether the format of the file asks for a range that it does not state. MJCF asks for none.
+    pub lacking: bool,
 }
 
 impl Limits {
     /// None at all.
-    pub const NONE: Self =
-        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, velocity: f64::INFINITY, effort: f64::INFINITY };
+    pub const NONE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        velocity: f64::INFINITY,
+        effort: f64::INFINITY,
+        lacking: false,
+    };
 }
 
 /// What joint a body hangs on.
@@ -73,8 +80,7 @@ impl Joint {
     /// That the URDF gives no range to a joint that should have one, where it does not.
     #[must_use]
     pub fn without_limits(&self) -> Option<Note> {
-        let missing = self.kind != JointKind::Continuous && self.limits.lower == f64::NEG_INFINITY;
-        missing.then(|| {
+        self.limits.lacking.then(|| {
             let text = format!("joint `{}` has no room between its limits; taken as one without limits", self.name);
             Note::new(findings::URDF_LIMITS, text, "write lower and upper into <limit>")
         })

@@ -41,7 +41,6 @@ pub(super) fn model(path: &Path, robot: &Robot, driven: Driven) -> Result<Model>
                     // The joint's own frame turns by the joint's position, which is its reference where the links lie.
                     let placement = place * anchor * moved(joint, 0.0);
                     let joint = described(robot, j);
-                    model.notes.extend(joint.without_limits());
                     let inertia = Inertia::zero();
                     let body = Body { name: link.name.clone(), parent: carrier, placement, joint, coordinate, inertia };
                     model.bodies.push(body);
@@ -96,6 +95,7 @@ fn described(robot: &Robot, index: usize) -> Joint {
         upper,
         velocity: joint.velocity_limit.unwrap_or(f64::INFINITY),
         effort: effort.unwrap_or(f64::INFINITY),
+        lacking: false,
     };
     let (damping, friction, armature) = (joint.damping, joint.friction, joint.armature);
     let (stiffness, spring_rest) = (joint.stiffness, joint.spring_reference);
@@ -205,4 +205,23 @@ fn followed(path: &Path, robot: &Robot, start: usize, (ties, roles): (&[Option<T
     }
     let message = format!("joint `{}`: expected to follow a joint that moves by itself, found none", name());
     Err(Error::file(path, message, "let one joint of the circle be free"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An MJCF asks for no range; a URDF does, of all joints that are not continuous.
+    #[test]
+    fn a_slide_without_range_lacks_nothing_in_an_mjcf() {
+        let text =
+            "<mujoco><worldbody><body><joint name='rail' type='slide'/><geom size='0.1'/></body></worldbody></mujoco>";
+        let cart = super::super::parse_mjcf(Path::new("cart.xml"), text).unwrap();
+        assert!(cart.notes.iter().all(|note| note.kind != findings::URDF_LIMITS), "{:?}", cart.notes);
+        assert_eq!(cart.joints()[0].without_limits(), None);
+        let urdf = "<robot name='c'><link name='base'/><link name='cart'/><joint name='rail' type='prismatic'>\
+            <parent link='base'/><child link='cart'/><limit lower='0' upper='0' effort='1' velocity='1'/></joint></robot>";
+        let cart = crate::arm::urdf::parse(Path::new("cart.urdf"), urdf).unwrap();
+        assert!(cart.joints()[0].without_limits().is_some());
+    }
 }

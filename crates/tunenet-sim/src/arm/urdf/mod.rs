@@ -150,6 +150,8 @@ impl File<'_> {
         }
         if limit.lower < limit.upper {
             (limits.lower, limits.upper) = (limit.lower, limit.upper);
+        } else {
+            limits.lacking = true;
         }
         Ok(limits)
     }
