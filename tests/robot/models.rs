@@ -69,13 +69,9 @@ fn joints_are_called_by_the_nearest_key_and_written_under_their_own_name() {
 fn init_starts_at_what_the_mjcf_states() {
     let folder = folder();
     let text = folder.text("robot.toml");
-    for part in [
-        "model = \"two.xml\"",
-        "[joints.elbow]",
-        "gain_1_rad = 4.0",
-        "kd = 0.5",
-        "# The model limits this command to -2 to 2",
-    ] {
+    for part in
+        ["model = \"two.xml\"", "[joints.elbow]", "gain_1_rad = 4.0", "kd = 0.5", "# command_range = [-2.0, 2.0]"]
+    {
         assert!(text.contains(part), "{part}\n{text}");
     }
     let shown = folder.run("inspect robot.toml --json").ends(0).json();
@@ -85,6 +81,19 @@ fn init_starts_at_what_the_mjcf_states() {
     {
         assert!(table(name).contains(&format!("value = {value} ")), "{name}");
     }
+}
+
+/// A recorded command is the goal times the gear.
+#[test]
+fn commands_are_those_of_the_actuator() {
+    let folder = Folder::new();
+    folder.write("two.xml", MODEL.replacen("ctrlrange=\"-2 2\"", "gear=\"-2\" ctrlrange=\"-0.5 0.5\"", 1));
+    folder.write("commands.csv", commands());
+    let ran = folder.run("init robot --model two.xml --out robot.toml").ends(0);
+    assert!(ran.stderr.contains("model.command_scale") && ran.stderr.contains("`shoulder` by -0.5"), "{}", ran.stderr);
+    let text = folder.text("robot.toml");
+    assert!(text.contains("command_scale = -0.5\n") && text.matches("command_scale = ").count() == 1, "{text}");
+    folder.run("simulate --sim robot.toml --inputs commands.csv --set record.frames=300 --out seen.csv").ends(0);
 }
 
 /// Tuned from what the model states to what was simulated; the copy of the model has the tuned numbers, and nothing else changed.

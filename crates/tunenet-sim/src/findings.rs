@@ -30,6 +30,9 @@ finding_kinds! {
     warning MODEL_LEFT_OUT = "model.left_out",
         "a model states forces, parts, gravity or commands that the simulation leaves out",
         "check that they do not matter, or remove them";
+    note MODEL_COMMAND_SCALE = "model.command_scale",
+        "actuators of an MJCF have a gear or a gain, by which commands are multiplied",
+        "write `command_scale = 1.0` where commands were recorded in the unit of the joint";
     note MODEL_EFFECTS = "model.effects",
         "an MJCF states armature or springs, which an arm has as effects of the simulation file",
         "write them under `[effects]` if they are to count";

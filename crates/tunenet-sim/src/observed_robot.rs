@@ -10,7 +10,7 @@ use tunenet_formats::{Error, Result};
 use crate::arm::{Joint, JointKind, Model, model_file};
 use crate::robot::effects::{RobotEffect, in_units_of_joints};
 use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
-use crate::robot::numbers::{JointNumbers, Number};
+use crate::robot::numbers::{JointNumbers, NO_RANGE, Number};
 use crate::robot::rig::{Mass, Rig};
 use crate::robot::trajectory::Quantity;
 use crate::robot::{Drive, RobotModel, StatedGravity, stated_gravity};
@@ -303,6 +303,8 @@ fn numbers(joint: &JointScene, of_model: &crate::arm::Joint) -> JointNumbers {
         gain: joint.gain_1_rad.or(joint.n_v).or(joint.nm_v).unwrap_or(0.0),
         duty_max: joint.duty_max,
         supply_v: joint.supply_v,
+        command_scale: joint.command_scale,
+        command_range: joint.command_range.unwrap_or(NO_RANGE),
         viscous: of_model.damping,
         coulomb: of_model.friction,
         armature: of_model.armature,

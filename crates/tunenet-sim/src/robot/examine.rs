@@ -11,6 +11,7 @@ use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
 use super::limits::{at_a_stop, beyond_limits};
+use super::numbers::JointNumbers;
 use super::trajectory::Quantity;
 use crate::findings;
 
@@ -55,8 +56,8 @@ const LAG_STEP_S: f64 = 0.02;
 /// A correlation at another lag has to leave so much less of the variance.
 const CLEARER: f64 = 0.3;
 
-/// A recording examined.
-pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Preparation> {
+/// A recording examined; `joints` are those of its setup.
+pub(super) fn examine(layout: &Layout, joints: &[JointNumbers], mut prepared: Box<Prepared>) -> Result<Preparation> {
     prepared.discrepancy = true;
     let mut checks = Vec::new();
     let (seen, jumps) = without_jumps(layout, &prepared.seen)?;
@@ -82,18 +83,30 @@ pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Pr
         if reading.quantity != Quantity::Position {
             continue;
         }
-        match position(layout, &prepared.seen, channel, *reading, &known) {
+        match position(layout, (&prepared.seen, channel, *reading), goals(layout, joints, &known, reading.joint)) {
             Some((note, true)) => return Ok(rejected(note, checks)),
             Some((note, false)) => checks.push(noticed(note)),
             None => {}
         }
     }
     prepared.noise = Some((0..prepared.seen.channels().len()).map(|channel| noise(&prepared.seen, channel)).collect());
-    start_at_median(layout, &mut prepared);
+    start_at_median(layout, joints, &mut prepared);
     prepared.notes.extend(layout.notes.iter().cloned());
     prepared.notes.extend(checks.iter().filter_map(Check::note));
     prepared.checks.extend(checks);
     Ok(Preparation::Usable(prepared))
+}
+
+/// The goal or the torque of a joint by time, as its motor gets it; `None` where nothing commands the joint.
+fn goals<'a>(
+    layout: &Layout,
+    joints: &'a [JointNumbers],
+    known: &'a Circumstances,
+    joint: usize,
+) -> Option<impl Fn(f64) -> f64 + Copy + 'a> {
+    let command = layout.wiring.get(joint)?.command.and_then(|place| known.inputs.get(place))?;
+    let numbers = joints.get(joint)?;
+    Some(move |time_s: f64| numbers.commanded(command.at(0, time_s)))
 }
 
 /// The recording refused, after these checks.
@@ -178,13 +191,14 @@ fn noise(seen: &Observation, channel: usize) -> f64 {
 }
 
 /// The start is the median of the first samples: a single one may jump.
-fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
+fn start_at_median(layout: &Layout, joints: &[JointNumbers], prepared: &mut Prepared) {
     let Some(known) = prepared.circumstances.as_deref() else { return };
     let mut known = Circumstances::clone(known);
     for (place, start) in layout.starts.iter().enumerate().filter(|(_, start)| !start.speed) {
         let shows = |one: &Reading| one.joint == start.joint && one.quantity == Quantity::Position;
         let Some(channel) = layout.readings.iter().position(shows) else { continue };
-        let middle = start_position(layout, &prepared.seen, channel, start.joint, &known, prepared.noise.as_deref());
+        let goal = goals(layout, joints, &known, start.joint);
+        let middle = start_position(&prepared.seen, channel, goal, prepared.noise.as_deref());
         if let (Some(middle), Some(value)) = (middle, known.start.get_mut(place))
             && *value == prepared.seen.row(0)[channel]
         {
@@ -197,11 +211,9 @@ fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
 /// Where a joint starts. Where it rests: the median of its first samples, or of all before its command first moves, since a start that
 /// is off by the noise stays off until the joint breaks loose. Where it moves at once: its first sample.
 fn start_position(
-    layout: &Layout,
     seen: &Observation,
     channel: usize,
-    joint: usize,
-    known: &Circumstances,
+    goal: Option<impl Fn(f64) -> f64>,
     noise: Option<&[f64]>,
 ) -> Option<f64> {
     let values: Vec<f64> = seen.column(channel).take(FIRST).collect();
@@ -209,11 +221,9 @@ fn start_position(
     let (begins, goes) = (*values.first()?, *values.last()?);
     let moves = noise.is_some_and(|noise| (goes - begins).abs() > MOVES * noise[channel]);
     let first = if moves { begins } else { median(values)? };
-    let command = layout.wiring[joint].command.and_then(|place| known.inputs.get(place));
-    let (Some(command), Some(noise)) = (command, noise) else { return Some(first) };
-    let goal = |time: &f64| command.at(0, *time);
-    let Some(begin) = seen.clock().first().map(goal) else { return Some(first) };
-    let waits = seen.clock().iter().take_while(|time| (goal(time) - begin).abs() <= UNMOVED * noise[channel]).count();
+    let (Some(goal), Some(noise)) = (goal, noise) else { return Some(first) };
+    let Some(begin) = seen.clock().first().map(|time| goal(*time)) else { return Some(first) };
+    let waits = seen.clock().iter().take_while(|time| (goal(**time) - begin).abs() <= UNMOVED * noise[channel]).count();
     let resting = median(seen.column(channel).take(waits.max(FIRST)))?;
     Some(if (resting - first).abs() <= RESTING * noise[channel] { resting } else { first })
 }
@@ -221,10 +231,8 @@ fn start_position(
 /// What is wrong with a position, and whether the recording cannot be used.
 fn position(
     layout: &Layout,
-    seen: &Observation,
-    channel: usize,
-    reading: Reading,
-    known: &Circumstances,
+    (seen, channel, reading): (&Observation, usize, Reading),
+    goal: Option<impl Fn(f64) -> f64 + Copy>,
 ) -> Option<(Note, bool)> {
     let values: Vec<f64> = seen.column(channel).collect();
     let name = seen.channels()[channel].header();
@@ -233,8 +241,8 @@ fn position(
     if let Some(beyond) = beyond_limits(&name, moved, (limits[1] - limits[0], &seen.channels()[channel].unit)) {
         return Some((beyond, true));
     }
-    let command = layout.wiring[reading.joint].command.and_then(|place| known.inputs.get(place))?;
-    let goals: Vec<f64> = seen.clock().iter().map(|t| command.at(0, *t)).collect();
+    let goal = goal?;
+    let goals: Vec<f64> = seen.clock().iter().map(|t| goal(*t)).collect();
     let commanded = range(goals.iter().copied());
     if moved <= STILL_STEPS * encoder_step(&values) || moved == 0.0 {
         let text = format!("`{name}` never moves");
@@ -253,7 +261,7 @@ fn position(
         let remedy = "name the column of commands with its unit (goal_deg), or convert it";
         return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
     }
-    if let Some(share) = following(seen.clock(), &values, |t| command.at(0, t))
+    if let Some(share) = following(seen.clock(), &values, goal)
         && [share, share.recip()].iter().any(|share| (share / DEGREES - 1.0).abs() < NEAR_DEGREES)
     {
         let (further, which) = if share > 1.0 { (share, "moves") } else { (share.recip(), "is commanded") };
@@ -265,7 +273,7 @@ fn position(
         let remedy = "state the unit of the commands and that of the positions, each as it was recorded";
         return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
     }
-    if commanded < moved / SMALL_STEPS && follows_as_steps(seen.clock(), &values, |t| command.at(0, t)) {
+    if commanded < moved / SMALL_STEPS && follows_as_steps(seen.clock(), &values, goal) {
         let text = format!(
             "commands of `{name}` span {} and follow its speed: expected positions to go to, found steps",
             with_decimals(commanded, 3)
@@ -279,8 +287,7 @@ fn position(
         let remedy = "record the positions of the follower, not of the leader";
         return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
     }
-    let share =
-        |sign: f64| explained(seen.clock(), &values, |t| sign * command.at(0, t)).map_or(0.0, |(share, _)| share);
+    let share = |sign: f64| explained(seen.clock(), &values, |t| sign * goal(t)).map_or(0.0, |(share, _)| share);
     if share(-1.0) > FOLLOWS && share(1.0) < AGAINST * share(-1.0) {
         let text = format!("`{name}` moves against its commands: expected one sign, found two");
         let remedy = "turn the sign of the column of commands or of positions: a `-` before its name in `--columns`";
@@ -289,7 +296,7 @@ fn position(
     if let Some(stopped) = at_a_stop(&name, (seen.clock(), &values, &goals), limits) {
         return Some((stopped, false));
     }
-    let lag = best_lag(seen.clock(), &values, |t| command.at(0, t))?;
+    let lag = best_lag(seen.clock(), &values, goal)?;
     (lag.abs() > OTHER_CLOCK_S).then(|| {
         let early = if lag > 0.0 { "before" } else { "after" };
         let text = format!("commands of `{name}` come {} s {early} its motion", with_decimals(lag.abs(), 2));

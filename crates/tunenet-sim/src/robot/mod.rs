@@ -55,4 +55,4 @@ pub use observable_scale::observable_scales;
 pub use observable_zero::observable_zeros;
 pub use stated_gravity::{StatedGravity, stated_gravity};
 pub(crate) use stated_motor::motor_law;
-pub use stated_motor::{StatedDrive, StatedMotor, stated_drives, stated_motors};
+pub use stated_motor::{StatedDrive, StatedMotor, scaled_commands, stated_drives, stated_motors};

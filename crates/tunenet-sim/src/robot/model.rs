@@ -102,7 +102,9 @@ impl Rollouts for RobotModel {
     }
 
     fn examine(&self, prepared: Box<Prepared>) -> Result<Preparation> {
-        examine::examine(&self.layout, prepared)
+        let setup = prepared.circumstances.as_ref().map_or(0, |known| known.setup);
+        let joints = self.rigs.get(setup).map_or(&[][..], |rig| &rig.joints);
+        examine::examine(&self.layout, joints, prepared)
     }
 
     fn simulate(&self, run: &Run, values: &mut [f64]) -> RolloutResult {

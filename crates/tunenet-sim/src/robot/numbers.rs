@@ -49,6 +49,10 @@ pub(crate) struct JointNumbers {
     pub armature: f64,
     /// True less measured position.
     pub zero: f64,
+    /// What a recorded command is multiplied by to be the goal of the joint, or its torque.
+    pub command_scale: f64,
+    /// Between which goals or torques the robot clips its commands; infinite where it does not.
+    pub command_range: [f64; 2],
     pub stribeck: f64,
     pub stribeck_speed: f64,
     /// Stiffness of the spring between link and carrier.
@@ -99,6 +103,9 @@ pub(super) struct Motor {
     pub passive: f64,
 }
 
+/// The range of commands that nothing clips.
+pub(crate) const NO_RANGE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
 impl JointNumbers {
     /// A joint without motor, friction and effects.
     pub const fn free(drive: Drive) -> Self {
@@ -115,6 +122,8 @@ impl JointNumbers {
             coulomb: 0.0,
             armature: 0.0,
             zero: 0.0,
+            command_scale: 1.0,
+            command_range: NO_RANGE,
             stribeck: 0.0,
             stribeck_speed: 1.0,
             spring: 0.0,
@@ -133,6 +142,14 @@ impl JointNumbers {
             sag_ohm: 0.0,
             release_braking: 0.0,
         }
+    }
+
+    /// The goal or the torque that a recorded command stands for.
+    #[inline]
+    pub fn commanded(&self, recorded: f64) -> f64 {
+        let [least, greatest] = self.command_range;
+        // No `clamp`: it would panic where the ends are not in order.
+        (self.command_scale * recorded).max(least).min(greatest)
     }
 
     /// What the controller asks for at this measured position, before its speed counts: duty, torque or force.

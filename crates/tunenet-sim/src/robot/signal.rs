@@ -1,7 +1,11 @@
 //! Means of a sampled signal over integration steps, exact where a sample falls inside a step, and the same behind a rate limiter or a
 //! lag of first order (zero-order or first-order hold: Åström and Wittenmark 1997, section 7).
 
+use std::borrow::Cow;
+
 use tunenet_core::observation::{Hold, Input};
+
+use super::numbers::JointNumbers;
 
 /// A goal closer than this to what follows it is reached.
 const REACHED: f64 = 1e-12;
@@ -9,8 +13,8 @@ const REACHED: f64 = 1e-12;
 /// A signal that is read forward, `delay_s` after it was recorded.
 #[derive(Debug, Clone)]
 pub(super) struct Signal<'a> {
-    clock: &'a [f64],
-    values: &'a [f64],
+    clock: Cow<'a, [f64]>,
+    values: Cow<'a, [f64]>,
     hold: Hold,
     delay_s: f64,
     /// How many samples lie at or before the end of the last step.
@@ -21,9 +25,48 @@ impl<'a> Signal<'a> {
     /// The first channel of `input`, read from the instant `start_s` on.
     pub fn new(input: &'a Input, start_s: f64, delay_s: f64) -> Self {
         let series = input.series();
-        let (clock, values) = (series.clock(), series.values());
-        let at = clock.partition_point(|t| *t + delay_s <= start_s);
-        Self { clock, values, hold: input.hold(), delay_s, at }
+        let (clock, values) = (Cow::Borrowed(series.clock()), Cow::Borrowed(series.values()));
+        Self { clock, values, hold: input.hold(), delay_s, at: 0 }.from(start_s)
+    }
+
+    /// The commands in `input` as the joint takes them: scaled, and clipped to its range.
+    pub fn of_commands(input: &'a Input, joint: &JointNumbers, start_s: f64) -> Self {
+        let mut signal = Self::new(input, start_s, joint.command_delay_s);
+        let clips = joint.command_range.iter().any(|end| end.is_finite());
+        if joint.command_scale == 1.0 && !clips {
+            return signal;
+        }
+        if clips && signal.hold == Hold::Linear {
+            signal.bend(joint);
+        }
+        signal.values.to_mut().iter_mut().for_each(|value| *value = joint.commanded(*value));
+        signal.from(start_s)
+    }
+
+    /// Samples where the lines between samples cross an end of the joint's range: a clipped line bends there.
+    fn bend(&mut self, joint: &JointNumbers) {
+        let (mut clock, mut values) = (Vec::new(), Vec::new());
+        for i in 0..self.clock.len() {
+            if let Some(before) = i.checked_sub(1) {
+                let (from_s, first) = (self.clock[before], self.values[before]);
+                let (lasts_s, rise) = (self.clock[i] - from_s, self.values[i] - first);
+                let mut shares = joint.command_range.map(|end| (end / joint.command_scale - first) / rise);
+                shares.sort_by(f64::total_cmp);
+                for share in shares.into_iter().filter(|share| *share > 0.0 && *share < 1.0) {
+                    clock.push(from_s + share * lasts_s);
+                    values.push(first + share * rise);
+                }
+            }
+            clock.push(self.clock[i]);
+            values.push(self.values[i]);
+        }
+        (self.clock, self.values) = (clock.into(), values.into());
+    }
+
+    /// The same, read from this instant on.
+    fn from(mut self, start_s: f64) -> Self {
+        self.at = self.clock.partition_point(|t| *t + self.delay_s <= start_s);
+        self
     }
 
     /// The value just after the last step.
@@ -141,6 +184,8 @@ mod tests {
     use super::*;
     use tunenet_core::observation::Channel;
 
+    use crate::robot::Drive;
+
     fn input(hold: Hold) -> Input {
         Input::sampled(Channel::new("goal", "rad"), hold, vec![0.0, 1.0, 2.0], vec![0.0, 2.0, 2.0]).unwrap()
     }
@@ -176,6 +221,25 @@ mod tests {
         assert!((signal.mean(0.0, 0.5) - 0.5).abs() < 1e-15);
         assert!((signal.mean(0.5, 1.5) - (0.75 + 1.0)).abs() < 1e-15);
         assert_eq!(signal.now(1.5), 2.0);
+    }
+
+    /// It rises from 0 to 2 in a second, and stays there: twice that is at the end 1 of the range after a quarter of a second, and minus
+    /// twice that at -1.
+    #[test]
+    fn a_command_is_scaled_and_clipped_between_its_samples_too() {
+        let joint = |command_scale, command_range| JointNumbers {
+            command_scale,
+            command_range,
+            ..JointNumbers::free(Drive::Position)
+        };
+        let input = input(Hold::Linear);
+        let mean = |joint: JointNumbers| Signal::of_commands(&input, &joint, 0.0).mean(0.0, 1.0);
+        assert!((mean(joint(-0.5, [f64::NEG_INFINITY, f64::INFINITY])) + 0.5).abs() < 1e-15);
+        assert!((mean(joint(2.0, [-3.0, 1.0])) - (0.75 + 0.25 / 2.0)).abs() < 1e-12);
+        assert!((mean(joint(-2.0, [-1.0, 3.0])) + (0.75 + 0.25 / 2.0)).abs() < 1e-12);
+        let held = self::input(Hold::Previous);
+        let mut signal = Signal::of_commands(&held, &joint(2.0, [0.5, 1.0]), 0.0);
+        assert_eq!((signal.mean(0.0, 1.0), signal.mean(1.0, 2.0)), (0.5, 1.0));
     }
 
     #[test]

@@ -2,11 +2,17 @@
 //!
 //! Source of the map: a servo's torque is A·clip(c·kp·e − kd·w, ±1) − B·w, and the position actuator of MuJoCo makes
 //! clip(kp'·e − kv'·w, ±F): F = A, kp' = A·c·kp, kv' = A·kd. The braking B is outside the limit, and so part of the joint's damping.
+//!
+//! With a gear g, the joint gets g times the force of the actuator, whose length is g·q (MuJoCo, Computation, Transmission): a servo has
+//! g·kp'·(u − g·q) − g²·kv'·w = g²·kp'·(u/g − q) − g²·kv'·w, so that its goal is u/g; a drive of a speed likewise; a torque is g·gain·u.
 
+use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
 use tunenet_models::urdf::{Commanded, Commands, Interface};
 use tunenet_models::{Actuator, Joint, Law, Motion, Robot, Target};
 
 use super::numbers::Drive;
+use crate::findings;
 
 /// The error at which a servo without a limit would be at full duty: more rad or m than any joint is away from its goal, and more
 /// rad/s or m/s.
@@ -30,7 +36,9 @@ pub struct StatedMotor {
     pub stall_torque: Option<f64>,
     /// Whether the model limits the torque.
     pub limited: bool,
-    /// Least and greatest command, in the unit of the joint; `None` where it is not limited.
+    /// What a command of the model is multiplied by to be the goal of the joint, or its torque: by the gear and the gain.
+    pub command_scale: f64,
+    /// Least and greatest command after that, in the unit of the joint; `None` where it is not limited.
     pub command_range: Option<[f64; 2]>,
     /// Viscous friction with the braking by the motor, N·m·s/rad.
     pub damping: f64,
@@ -85,6 +93,7 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
         kd: 0.0,
         stall_torque: joint.effort_range.map(largest).filter(|torque| *torque > 0.0),
         limited: true,
+        command_scale: 1.0,
         command_range: None,
         damping: joint.damping,
         friction: joint.friction,
@@ -99,28 +108,44 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
     };
     motor.limited = motor.stall_torque.is_some();
     let Some(law) = motor_law(actuator) else { return motor };
-    let range = |scale: f64| actuator.command_range.map(|range| ordered(range.map(|end| end * scale)));
+    motor.command_scale = match law {
+        MotorLaw::Position { .. } | MotorLaw::Velocity { .. } => gear.recip(),
+        MotorLaw::Torque { gain } => gain * gear,
+    };
+    motor.command_range = actuator.command_range.map(|range| ordered(range.map(|end| end * motor.command_scale)));
     match law {
         MotorLaw::Position { kp, kv } => {
             let stall = *motor.stall_torque.get_or_insert(UNLIMITED * kp * gear * gear);
             motor.gain = Some(kp * gear * gear / stall);
             motor.kd = kv * gear * gear / stall;
-            motor.command_range = range(gear.recip());
         }
         MotorLaw::Velocity { gain } => {
             motor.drive = Drive::Velocity;
             let stall = *motor.stall_torque.get_or_insert(UNLIMITED_SPEED * gain * gear * gear);
             motor.gain = Some(gain * gear * gear / stall);
-            motor.command_range = range(gear.recip());
         }
-        MotorLaw::Torque { gain } => {
+        MotorLaw::Torque { .. } => {
             motor.drive = Drive::Torque;
-            let torques = range(gain * gear);
-            motor.stall_torque = motor.stall_torque.or(torques.map(largest));
-            motor.command_range = torques;
+            motor.stall_torque = motor.stall_torque.or(motor.command_range.map(largest));
         }
     }
     motor
+}
+
+/// That gears and gains multiply the commands of these motors.
+#[must_use]
+pub fn scaled_commands(motors: &[StatedMotor]) -> Option<Note> {
+    let scaled = motors.iter().filter(|motor| motor.command_scale != 1.0);
+    let one = |motor: &StatedMotor| format!("`{}` by {}", visible(&motor.joint), rounded(motor.command_scale));
+    let all: Vec<String> = scaled.map(one).collect();
+    let text = || format!("gears and gains of the model multiply the commands of joints: {}", all.join(", "));
+    let remedy = "write `command_scale = 1.0` where commands were recorded in the unit of the joint";
+    (!all.is_empty()).then(|| Note::new(findings::MODEL_COMMAND_SCALE, text(), remedy))
+}
+
+/// To four digits, for people to read.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 /// The force of an actuator before its gear, where it is that of a motor.
@@ -163,6 +188,7 @@ fn ordered([one, other]: [f64; 2]) -> [f64; 2] {
 mod tests {
     use std::path::Path;
 
+    use super::super::numbers::{Command, JointNumbers};
     use super::*;
 
     fn motors(actuators: &str) -> Vec<StatedMotor> {
@@ -208,6 +234,48 @@ mod tests {
         assert_eq!(all[0].command_range, Some([-2.0 / 3.0, 1.0 / 3.0]));
         // The lesser of both limits.
         assert_eq!((all[1].gain, all[1].stall_torque, all[1].limited), (Some(5.0), Some(2.0), true));
+    }
+
+    /// The torque on the joint by MuJoCo's formula, g·(gain·u + b1·g·q + b2·g·w), and as the numbers of a simulation file have it.
+    #[test]
+    fn a_command_through_a_gear_gives_the_torque_of_the_formula() {
+        let (command, position, speed) = (0.7, 0.3, -0.4);
+        for gear in [2.0, -1.0, 0.5] {
+            let of = |force: f64| gear * force;
+            let cases = [
+                ("position", "kp='30' kv='1.5'", of(30.0 * (command - gear * position) - 1.5 * gear * speed)),
+                ("velocity", "kv='3'", of(3.0 * (command - gear * speed))),
+                ("motor", "", of(command)),
+                ("general", "gainprm='-4'", of(-4.0 * command)),
+                (
+                    "general",
+                    "gainprm='30' biastype='affine' biasprm='0 -30 -1.5'",
+                    of(30.0 * (command - gear * position) - 1.5 * gear * speed),
+                ),
+            ];
+            for (tag, rest, expected) in cases {
+                let motor = &motors(&format!("<{tag} joint='a' gear='{gear}' {rest}/>"))[0];
+                let joint = JointNumbers {
+                    kd: motor.kd,
+                    gain: motor.gain.unwrap_or(0.0),
+                    stall: motor.stall_torque.unwrap_or(0.0),
+                    command_scale: motor.command_scale,
+                    ..JointNumbers::free(motor.drive)
+                };
+                let goal = joint.commanded(command);
+                let driven = joint.unlimited(Command { goal, on: 1.0 }, joint.demand(goal, position), speed);
+                let found = driven.torque - driven.braking * speed;
+                assert!((found - expected).abs() < 1e-12, "{tag} {rest} gear {gear}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_multiplies_commands_is_said() {
+        let all = motors("<position joint='a' kp='2' gear='-3'/><motor joint='b' gear='10'/>");
+        let text = "gears and gains of the model multiply the commands of joints: `a` by -0.3333, `b` by 10";
+        assert_eq!(scaled_commands(&all).unwrap().text, text);
+        assert_eq!(scaled_commands(&motors("<position joint='a' kp='2'/>")), None);
     }
 
     #[test]

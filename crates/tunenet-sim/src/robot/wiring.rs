@@ -1,4 +1,5 @@
-//! How the recorded command of a joint reaches its motor: delays, the speed limit of the internal goal, a lag, switching on and off.
+//! How the recorded command of a joint reaches its motor: its scale and range, delays, the speed limit of the internal goal, a lag,
+//! switching on and off.
 
 use tunenet_core::observation::Input;
 
@@ -19,7 +20,7 @@ pub(super) struct Wire<'a> {
 impl<'a> Wire<'a> {
     /// The wire of a joint from the instant `start_s` on. Without a command the goal is 0, without an enabling input the motor is on.
     pub fn new(joint: &JointNumbers, goal: Option<&'a Input>, enable: Option<&'a Input>, start_s: f64) -> Self {
-        let goal = goal.map(|input| Signal::new(input, start_s, joint.command_delay_s));
+        let goal = goal.map(|input| Signal::of_commands(input, joint, start_s));
         let enable = enable.map(|input| Signal::new(input, start_s, joint.release_delay_s));
         let limited = joint.drive == Drive::Position && joint.inverse_speed > 0.0;
         let limit = goal.as_ref().filter(|_| limited).map(|goal| (joint.inverse_speed.recip(), goal.now(start_s)));

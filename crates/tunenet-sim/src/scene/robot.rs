@@ -65,6 +65,12 @@ pub struct JointScene {
     pub drive: Drive,
     /// The input that holds its commands.
     pub command: String,
+    /// What a recorded command is multiplied by to be the goal of the joint, or its torque.
+    #[serde(default = "one")]
+    pub command_scale: f64,
+    /// Between which goals or torques the robot clips commands.
+    #[serde(default)]
+    pub command_range: Option<[f64; 2]>,
     /// The input that switches its motor: 0 releases it.
     #[serde(default)]
     pub enable: Option<String>,

@@ -30,6 +30,18 @@ pub const ROBOT_KEYS: &[Key] = &[
 pub const JOINT_KEYS: &[Key] = &[
     key("drive", Shape::Word(Drive::WORDS), true, "what a command means"),
     key("command", TEXT, true, "the input that holds its commands"),
+    key(
+        "command_scale",
+        Shape::Number(-GREATEST, GREATEST),
+        false,
+        "what a recorded command is multiplied by to be the goal of the joint, its torque or its voltage; not 0 (default: 1)",
+    ),
+    key(
+        "command_range",
+        Shape::Numbers(2, -GREATEST, GREATEST),
+        false,
+        "to which the robot clips its commands, after `command_scale`, the smaller number first (default: no range)",
+    ),
     key("enable", TEXT, false, "the input that switches its motor: 0 releases it (default: always on)"),
     key(
         "observe",

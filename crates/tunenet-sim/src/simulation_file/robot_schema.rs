@@ -5,7 +5,7 @@ use tunenet_core::observation::Channel;
 
 use super::declared_check::{self, Wrong};
 use super::declared_schema::Declares;
-use super::schema::{Definition, lookup, texts};
+use super::schema::{Definition, item_number, lookup, number, texts};
 use crate::robot::numbers::Number;
 use crate::scene::RobotScene;
 
@@ -80,6 +80,9 @@ fn joints(root: &Table) -> Option<Wrong> {
             let expected = format!("no `{key}` for a {drive} drive");
             return Some(wrong(format!("{path}.{key}"), Some(found), expected, "one"));
         }
+        if let Some(wrong) = commands(&path, table) {
+            return Some(wrong);
+        }
         if matches!(drive, "position" | "velocity") && gain.is_none() {
             let expected = format!("`gain_1_rad` for a {drive} drive: duty for each unit of kp and of error");
             return Some(wrong(path, Some(item), expected, "none"));
@@ -108,6 +111,18 @@ fn joints(root: &Table) -> Option<Wrong> {
         }
     }
     None
+}
+
+/// What is wrong with the scale and the range of a joint's commands.
+fn commands(path: &str, table: &dyn TableLike) -> Option<Wrong> {
+    let (scale, range) = (table.get("command_scale"), table.get("command_range"));
+    if scale.and_then(item_number) == Some(0.0) {
+        return Some(wrong(format!("{path}.command_scale"), scale, "a number other than 0", "0"));
+    }
+    let ends: Vec<f64> = range.and_then(Item::as_array)?.iter().filter_map(number).collect();
+    let [least, greatest] = ends[..] else { return None };
+    let found = || format!("[{least}, {greatest}]");
+    (least >= greatest).then(|| wrong(format!("{path}.command_range"), range, "the smaller number first", found()))
 }
 
 /// A key that the drive of a joint does not use.

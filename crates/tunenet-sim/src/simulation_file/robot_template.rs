@@ -213,11 +213,6 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     };
     let command = command_input(joint, drive);
     text.push_str(&line(&format!("\n[inputs.{command}]")));
-    if let Some([lower, upper]) = motor.and_then(|motor| motor.command_range) {
-        text.push_str(&line(&format!(
-            "# The model limits this command to {lower} to {upper}; the simulation does not."
-        )));
-    }
     if let Some(columns) = columns {
         if let Some(topic) = &columns.topic {
             text.push_str(&line(&format!("topic = {}", toml_edit::value(topic))));
@@ -225,6 +220,9 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
         text.push_str(&line(&format!("column = {}", toml_edit::value(&columns.command))));
     }
     text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
+    if let Some(motor) = motor {
+        commands(text, motor, unit);
+    }
     if start.columns.is_none() {
         text.push_str("enable = \"torque_on\"\n");
     }
@@ -245,6 +243,30 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
         }
         None if drive == Drive::Torque => {}
         None => text.push_str("kp = 16.0\ngain_1_rad = 0.166\n"),
+    }
+}
+
+/// What the model does with the commands of a joint before they are its goals or torques.
+fn commands(text: &mut String, motor: &StatedMotor, unit: &str) {
+    let unit = match motor.drive {
+        Drive::Velocity => format!("{unit}/s"),
+        Drive::Torque if unit == "m" => "N".to_owned(),
+        Drive::Torque => "N·m".to_owned(),
+        Drive::Position | Drive::Voltage => unit.to_owned(),
+    };
+    if motor.command_scale != 1.0 {
+        text.push_str(&line(&format!(
+            "# Of the gear and the gain in the model: what its commands are multiplied by. Write 1.0 where they were recorded in {unit}.\n\
+             command_scale = {:?}",
+            motor.command_scale
+        )));
+    }
+    if let Some([lower, upper]) = motor.command_range {
+        let or_limit = if motor.drive == Drive::Torque { ", and at `stall_torque`" } else { "" };
+        text.push_str(&line(&format!(
+            "# The model clips commands to this range ({unit}); the simulation does so only where this key stands{or_limit}.\n\
+             # command_range = [{lower:?}, {upper:?}]"
+        )));
     }
 }
 
@@ -351,6 +373,46 @@ mod tests {
         let lift: Vec<Option<f64>> = names.iter().map(|name| of(&format!("Lift__{name}"))).collect();
         assert_eq!(lift, [Some(3.0), Some(0.0), Some(0.6), Some(0.05), Some(0.03)]);
         assert_eq!(of("reach__stall_torque"), None);
+    }
+
+    /// A gear of 2 halves goals and doubles torques; a range is a line to remove the mark from.
+    #[test]
+    fn gears_and_ranges_of_commands_are_keys() {
+        let of = |actuator: &str| {
+            let text = format!(
+                "<mujoco><compiler angle='radian'/><worldbody><body><joint name='a'/><geom size='0.1'/></body></worldbody>\
+                 <actuator>{actuator}</actuator></mujoco>"
+            );
+            let path = Path::new("m.xml");
+            let robot = tunenet_models::Model::parse_alone(path, &text).unwrap();
+            let start = RobotStart { motors: stated_motors(robot.robot()), ..RobotStart::default() };
+            robot_template("m.xml", &crate::arm::model_file::parse_mjcf(path, &text).unwrap(), &start)
+        };
+        let joint = |text: &str| {
+            let file = SimulationFile::parse(Path::new("robot.toml"), text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            file.robot().unwrap().joints["a"].clone()
+        };
+        let servo = of("<position joint='a' kp='30' gear='2' ctrlrange='-1 0.5'/>");
+        assert_eq!((joint(&servo).command_scale, joint(&servo).command_range), (0.5, None), "{servo}");
+        let clipped = joint(&servo.replacen("# command_range", "command_range", 1));
+        assert_eq!(clipped.command_range, Some([-0.5, 0.25]));
+        assert_eq!(joint(&of("<motor joint='a' gear='-2'/>")).command_scale, -2.0);
+        assert_eq!(joint(&of("<velocity joint='a' kv='3' gear='-1'/>")).command_scale, -1.0);
+        let plain = of("<position joint='a' kp='30' forcerange='-3 3'/>");
+        assert!(!plain.contains("command_scale") && !plain.contains("command_range"));
+        // What turns commands into nothing, or has no room, is refused.
+        for (from, to, expected) in [
+            ("command_scale = 0.5", "command_scale = 0.0", "`joints.a.command_scale`: expected a number other than 0"),
+            (
+                "# command_range = [-0.5,",
+                "command_range = [0.5,",
+                "`joints.a.command_range`: expected the smaller number first",
+            ),
+        ] {
+            let refused =
+                SimulationFile::parse(Path::new("robot.toml"), &servo.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(refused.contains(expected), "{refused}");
+        }
     }
 
     #[test]

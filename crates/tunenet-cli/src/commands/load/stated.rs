@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_sim::arm::{Model, model_file};
-use tunenet_sim::robot::{stated_drives, stated_gravity, stated_motors};
+use tunenet_sim::robot::{scaled_commands, stated_drives, stated_gravity, stated_motors};
 use tunenet_sim::simulation_file::RobotStart;
 
 use super::interfaces;
@@ -35,6 +35,7 @@ pub fn stated(path: &Path) -> Result<Stated> {
         drives.iter_mut().filter(|drive| drive.joint == *name).for_each(|drive| drive.joint.clone_from(&joint.name));
     }
     let gravity = robot.as_ref().and_then(stated_gravity);
-    let notes = model.notes.iter().cloned().chain(interfaces::notes(&commands)).collect();
+    let of_model = model.notes.iter().cloned().chain(scaled_commands(&motors));
+    let notes = of_model.chain(interfaces::notes(&commands)).collect();
     Ok(Stated { model, start: RobotStart { motors, drives, gravity, ..RobotStart::default() }, notes })
 }
