@@ -83,7 +83,7 @@ fn init_starts_at_what_the_mjcf_states() {
     }
 }
 
-/// A recorded command is the goal times the gear.
+/// A recorded command is the goal times the gear. That it goes beyond the range of the model is said until the file clips it as well.
 #[test]
 fn commands_are_those_of_the_actuator() {
     let folder = Folder::new();
@@ -94,6 +94,11 @@ fn commands_are_those_of_the_actuator() {
     let text = folder.text("robot.toml");
     assert!(text.contains("command_scale = -0.5\n") && text.matches("command_scale = ").count() == 1, "{text}");
     folder.run("simulate --sim robot.toml --inputs commands.csv --set record.frames=300 --out seen.csv").ends(0);
+    let beyond = folder.run("tune --sim robot.toml seen.csv --quick").stderr;
+    assert!(beyond.contains("robot.command_range") && beyond.contains("-0.250 to 0.250"), "{beyond}");
+    folder.write("clipped.toml", text.replacen("# command_range", "command_range", 1));
+    let clipped = folder.run("tune --sim clipped.toml seen.csv --quick").stderr;
+    assert!(!clipped.contains("robot.command_range"), "{clipped}");
 }
 
 /// Tuned from what the model states to what was simulated; the copy of the model has the tuned numbers, and nothing else changed.

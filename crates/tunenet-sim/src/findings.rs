@@ -99,6 +99,9 @@ finding_kinds! {
     warning ROBOT_STOP = "robot.stop",
         "a joint stands at a limit of the model while its commands go beyond it: stops are not simulated",
         "leave these parts out, or keep the commands within the limits";
+    warning ROBOT_COMMAND_RANGE = "robot.command_range",
+        "commands of a joint go beyond the `ctrlrange` of its MJCF: the simulation does not clip them, a copy of the model does",
+        "write `command_range` into the joint's table if the robot clips them too, or widen `ctrlrange` in the model";
     warning ROBOT_RARE = "robot.rare",
         "samples are more than a second apart: they do not show how a joint moves; the recording is not used",
         "state the unit of the clock (ms as s?), or record more often";

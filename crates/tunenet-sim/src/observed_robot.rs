@@ -1,5 +1,7 @@
 //! From a file of robot joints to a simulator that core can tune and diagnose.
 
+mod motors;
+
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
@@ -47,8 +49,10 @@ pub type RobotSimulator = Declared<RobotModel>;
 pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let file = files[0];
     let scene = file.robot()?;
-    let model = model(file)?;
+    let (whole, described) = model_file::read_driven(&model_path(file)?)?;
+    let model = chain(file, &whole)?;
     let order = order(file, &model)?;
+    let motors = motors::of_joints(file, &whole, described.as_ref(), &order)?;
     let parameters = file.parameters()?;
     let starts = starts(scene, &order);
     let follows: Vec<bool> = order.iter().map(|(_, joint)| joint.drive == Drive::Position).collect();
@@ -80,6 +84,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         |effect: &RobotEffect| with_damping_left(in_units_of_joints(effect.entry(&names, tuned), &slides), &damping);
     let entries: Vec<Effect> = effects.iter().map(entry).collect();
     let layout = Layout {
+        command_ranges: motors::command_ranges(&motors, &order, &roles, &parameters),
         roles,
         effects: effects.clone(),
         readings: readings(scene, &order),

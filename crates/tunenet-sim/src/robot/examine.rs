@@ -10,8 +10,8 @@ use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
-use super::limits::{at_a_stop, beyond_limits};
-use super::numbers::JointNumbers;
+use super::limits::{at_a_stop, beyond_command_range, beyond_limits};
+use super::numbers::{JointNumbers, NO_RANGE};
 use super::trajectory::Quantity;
 use crate::findings;
 
@@ -89,6 +89,8 @@ pub(super) fn examine(layout: &Layout, joints: &[JointNumbers], mut prepared: Bo
             None => {}
         }
     }
+    let clock = prepared.seen.clock();
+    checks.extend((0..joints.len()).filter_map(|joint| clipped(layout, joints, &known, joint, clock)).map(noticed));
     prepared.noise = Some((0..prepared.seen.channels().len()).map(|channel| noise(&prepared.seen, channel)).collect());
     start_at_median(layout, joints, &mut prepared);
     prepared.notes.extend(layout.notes.iter().cloned());
@@ -107,6 +109,25 @@ fn goals<'a>(
     let command = layout.wiring.get(joint)?.command.and_then(|place| known.inputs.get(place))?;
     let numbers = joints.get(joint)?;
     Some(move |time_s: f64| numbers.commanded(command.at(0, time_s)))
+}
+
+/// That a copy of the model clips the commands of a joint, and the simulation does not.
+fn clipped(
+    layout: &Layout,
+    joints: &[JointNumbers],
+    known: &Circumstances,
+    joint: usize,
+    clock: &[f64],
+) -> Option<Note> {
+    let range = layout.command_ranges.get(joint).copied().flatten()?;
+    if joints.get(joint)?.command_range != NO_RANGE {
+        return None;
+    }
+    let goal = goals(layout, joints, known, joint)?;
+    let command = layout.wiring[joint].command.and_then(|place| known.inputs.get(place))?;
+    let name = command.series().channels().first()?.header();
+    let values: Vec<f64> = clock.iter().map(|time| goal(*time)).collect();
+    beyond_command_range(&name, &values, range)
 }
 
 /// The recording refused, after these checks.

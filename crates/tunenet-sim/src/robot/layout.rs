@@ -48,6 +48,8 @@ pub(crate) struct Layout {
     pub follows: Vec<bool>,
     /// Between which positions the model lets each joint move, rad or m; infinite where it does not say.
     pub limits: Vec<[f64; 2]>,
+    /// Between which goals or torques a copy of the model clips the commands of each joint, where its simulation does not.
+    pub command_ranges: Vec<Option<[f64; 2]>>,
     /// What is to be said of every recording.
     pub notes: Vec<Note>,
 }

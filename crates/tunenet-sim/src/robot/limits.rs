@@ -1,4 +1,4 @@
-//! Positions of a joint against the limits that its model states: another unit, and stops.
+//! Positions and commands of a joint against the limits that its model states: another unit, stops, and commands that are clipped.
 
 use tunenet_core::observation::{Note, with_decimals};
 
@@ -10,6 +10,9 @@ const BEYOND_LIMITS: f64 = 3.0;
 /// at a stop.
 const AT_STOP: f64 = 0.01;
 const LONG_AT_STOP: f64 = 0.01;
+/// Commands that go beyond their range by this share of it, for this share of the samples, are clipped.
+const BEYOND_RANGE: f64 = 0.01;
+const LONG_BEYOND_RANGE: f64 = 0.01;
 
 /// That positions span far more than the limits of the model allow.
 pub(super) fn beyond_limits(name: &str, moved: f64, (travel, unit): (f64, &str)) -> Option<Note> {
@@ -49,9 +52,39 @@ pub(super) fn at_a_stop(
     Some(Note::new(findings::ROBOT_STOP, text, "leave these parts out, or keep the commands within the limits"))
 }
 
+/// That commands go beyond the range to which the model clips them.
+pub(super) fn beyond_command_range(name: &str, commands: &[f64], [lower, upper]: [f64; 2]) -> Option<Note> {
+    let slack = BEYOND_RANGE * (upper - lower);
+    let beyond = commands.iter().filter(|command| **command < lower - slack || **command > upper + slack).count();
+    let share = beyond as f64 / commands.len().max(1) as f64;
+    if share < LONG_BEYOND_RANGE {
+        return None;
+    }
+    let [lower, upper] = [lower, upper].map(|end| with_decimals(end, 3));
+    let text = format!(
+        "`{name}` goes beyond the `ctrlrange` of the model ({lower} to {upper}) in {} % of the samples: the simulation does not \
+         clip commands, a copy of the model does",
+        with_decimals(100.0 * share, 0)
+    );
+    let remedy =
+        "write `command_range` into the joint's table if the robot clips them too, or widen `ctrlrange` in the model";
+    Some(Note::new(findings::ROBOT_COMMAND_RANGE, text, remedy))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn commands_beyond_the_range_of_the_model_are_counted() {
+        let commands: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+        let text = beyond_command_range("a_goal_rad", &commands, [-0.3, 0.745]).unwrap().text;
+        // 0.745 and 1 % of 1.045 are 0.75545: the last 24 are beyond it.
+        let expected = "`a_goal_rad` goes beyond the `ctrlrange` of the model (-0.300 to 0.745) in 24 % of the samples: the \
+                        simulation does not clip commands, a copy of the model does";
+        assert_eq!(text, expected);
+        assert!(beyond_command_range("a_goal_rad", &commands, [0.0, 0.99]).is_none());
+    }
 
     #[test]
     fn positions_far_beyond_the_limits_are_in_another_unit() {

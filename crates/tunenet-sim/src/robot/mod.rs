@@ -13,7 +13,7 @@
 //! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `layout` | what parameters, channels and inputs mean |
-//! | `limits` | positions against the limits of the model: another unit, stops |
+//! | `limits` | positions and commands against the limits of the model: another unit, stops, clipped commands |
 //! | `rig` | the chain with its loads |
 //! | `observable_scale` | which joints show how large their torques are |
 //! | `observable_zero` | which joints show where their zero is |

@@ -58,6 +58,7 @@ fn robot(model: Model, masses: Vec<Mass>, joints: Vec<JointNumbers>, effects: &[
         wiring: (0..n).map(|joint| Wiring { command: Some(joint), enable: Some(n) }).collect(),
         follows: vec![true; n],
         limits: vec![[f64::NEG_INFINITY, f64::INFINITY]; n],
+        command_ranges: vec![None; n],
         notes: Vec::new(),
     };
     RobotModel::new(vec![Rig::new(model, masses, (9.81, [0.0; 2]), joints, step_s)], layout)
