@@ -4,8 +4,9 @@ use std::path::Path;
 
 use crate::csv::columns::found;
 use crate::csv::lines::{Lines, cells, named, separator};
-use crate::csv::own_columns;
 use crate::csv::scan::scan;
+use crate::csv::{numbers, own_columns};
+use crate::described::lacks_clock;
 use crate::format::{Format, format};
 use crate::log::files::{absent_parts, files, is_bag};
 use crate::log::topics::{Topic, survey};
@@ -16,7 +17,7 @@ use crate::ranges::written_out;
 use crate::recording::{ReadOptions, Recording};
 use crate::sheet::Sheet;
 use crate::source::unchanged;
-use crate::{Episodes, Error, Result};
+use crate::{Described, Episodes, Error, Result};
 use tunenet_core::observation::{Channel, Kind, Note, plain};
 use tunenet_core::statistics::median;
 
@@ -76,6 +77,8 @@ pub struct Table {
     pub notes: Vec<Note>,
     /// The channels that it is read on, where its columns are those of a simulation of one's own.
     pub channels: Vec<Channel>,
+    /// Its columns by their numbers, where its names alone make no observation and it has a clock.
+    pub described: Option<Described>,
 }
 
 /// What is in a log.
@@ -133,15 +136,17 @@ fn folder(path: &Path, options: &ReadOptions) -> Result<Contents> {
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     let found = once(path, options)?;
-    let channels = match &found {
-        Contents::Table(table) if options.channels.is_empty() => table.own_channels(&options.columns),
-        _ => Vec::new(),
+    let (channels, described) = match &found {
+        Contents::Table(table) if options.channels.is_empty() => {
+            (table.own_channels(&options.columns), table.described.clone())
+        }
+        _ => (Vec::new(), None),
     };
     if channels.is_empty() {
         return Ok(found);
     }
     Ok(match once(path, &ReadOptions { channels: channels.clone(), ..options.clone() })? {
-        Contents::Table(table) => Contents::Table(Table { channels, ..table }),
+        Contents::Table(table) => Contents::Table(Table { channels, described, ..table }),
         other => other,
     })
 }
@@ -149,9 +154,18 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
 fn once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     match format(path)? {
         Format::Hdf5 => others::listing(&Place::of(path), options).map(Contents::Episodes),
-        Format::Csv => table(path, options).map(Contents::Table),
+        Format::Csv => {
+            let found = table(path, options)?;
+            if !found.may_be_described() {
+                return Ok(Contents::Table(found));
+            }
+            Ok(Contents::Table(found.described_by(&numbers::sheet(path)?, options)))
+        }
         Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
-        other => Ok(Contents::Table(sheet_table(path, &others::table(path, other)?, options)?)),
+        other => {
+            let sheet = others::table(path, other)?;
+            Ok(Contents::Table(sheet_table(path, &sheet, options)?.described_by(&sheet, options)))
+        }
     }
 }
 
@@ -198,16 +212,42 @@ impl Table {
             broken_count: 0,
             notes: Vec::new(),
             channels: Vec::new(),
+            described: None,
         }
+    }
+
+    /// The same with its columns by their numbers, where its names do not say what it is and nothing else was asked for.
+    fn described_by(mut self, sheet: &Sheet, options: &ReadOptions) -> Self {
+        if !self.may_be_described() || !options.channels.is_empty() {
+            return self;
+        }
+        if let Some((mut described, times)) = Described::of(sheet, &options.columns) {
+            described.of_known_names |= !self.is_of_own_names();
+            self.spans(&times);
+            self.described = Some(described);
+        } else if options.columns.is_empty()
+            && let Some(message) = lacks_clock(&sheet.names)
+        {
+            self.usable = Err(message);
+            self.remedy = "save the times as a column of their own, or name it: `--columns t_s=COLUMN`".into();
+        }
+        self
+    }
+
+    /// Whether its columns make no observation by their names.
+    fn may_be_described(&self) -> bool {
+        self.usable.is_err() && (self.is_of_own_names() || !self.columns.iter().any(is_clock))
+    }
+
+    /// Whether nothing in it but a clock is known by its name.
+    fn is_of_own_names(&self) -> bool {
+        self.usable.is_err() && self.columns.iter().all(|column| column.read_as.is_none() || is_clock(column))
     }
 
     /// Of a table with a clock and nothing else that is known by its name, the columns that have a unit, by their names or by `mapped`:
     /// channels of a simulation of one's own.
     fn own_channels(&self, mapped: &[(String, String)]) -> Vec<Channel> {
-        let time = Quantity::Time.header();
-        let is_clock = |column: &Column| column.read_as.as_ref() == Some(&time);
-        let others_known = self.columns.iter().any(|column| column.read_as.is_some() && !is_clock(column));
-        if self.usable.is_ok() || others_known || !self.columns.iter().any(is_clock) {
+        if !self.is_of_own_names() || !self.columns.iter().any(is_clock) {
             return Vec::new();
         }
         let is_time = |ours: &str| matches!(meaning(ours), Meaning::Known(Quantity::Time, _));
@@ -231,6 +271,10 @@ impl Table {
         self.largest_gap_s = intervals.clone().max_by(f64::total_cmp);
         self.median_rate_hz = median(intervals).map(|interval| 1.0 / interval);
     }
+}
+
+fn is_clock(column: &Column) -> bool {
+    column.read_as.as_ref().is_some_and(|name| matches!(meaning(name), Meaning::Known(Quantity::Time, _)))
 }
 
 fn log(path: &Path, options: &ReadOptions) -> Result<Contents> {

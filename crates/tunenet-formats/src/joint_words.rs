@@ -87,6 +87,8 @@ const UNITS: [(&str, JointQuantity); 16] = [
     ("mnm", JointQuantity::Effort),
     ("n", JointQuantity::Effort),
 ];
+/// Those of them that only what turns has.
+const OF_TURNING: [&str; 10] = ["rad_s", "deg_s", "rpm", "rad", "mrad", "deg", "degrees", "radians", "nm", "mnm"];
 
 /// What the column called `column` holds of the joint called `joint`; `None` where its name has words of something else. Of a message with
 /// one number, `topic` is what names it.
@@ -104,24 +106,36 @@ pub fn of_joint(column: &str, topic: Option<&str>, joint: &str) -> Option<OfJoin
     let mut found = OfJoint { quantity: unit, command: false };
     let mut said = None;
     for word in &without(name, &joint)? {
-        let is = |known: &[&str]| known.contains(&word.as_str());
-        let quantity = match () {
-            () if is(&COMMANDS) => {
-                found.command = true;
-                continue;
-            }
-            () if is(&POSITIONS) => JointQuantity::Position,
-            () if is(&VELOCITIES) => JointQuantity::Velocity,
-            () if is(&EFFORTS) => JointQuantity::Effort,
-            () if is(&OTHERS) => continue,
-            () => return None,
-        };
-        if said.replace(quantity).is_some_and(|before| before != quantity) {
-            return None;
+        match word_of(word)? {
+            Word::Command => found.command = true,
+            Word::Of(quantity) if said.replace(quantity).is_some_and(|before| before != quantity) => return None,
+            Word::Of(_) | Word::Nothing => {}
         }
     }
     found.quantity = said.or(unit);
     Some(found)
+}
+
+/// What the column called `column` holds of some joint whose name is not known; `None` where none of its words speaks of joints. A unit
+/// of length alone does not: a ball's height has one too.
+#[must_use]
+pub fn of_some_joint(column: &str) -> Option<OfJoint> {
+    let name = words(column);
+    let (name, unit) = without_unit(&name);
+    let unit = unit.filter(|_| unit_of_name(column).is_some_and(|unit| OF_TURNING.contains(&unit)));
+    let (mut found, mut said, mut speaks) = (OfJoint { quantity: unit, command: false }, None, unit.is_some());
+    for word in name {
+        // `position0` is the position of the first joint.
+        match word_of(word.trim_end_matches(|c: char| c.is_ascii_digit())) {
+            Some(Word::Command) => found.command = true,
+            Some(Word::Of(quantity)) if said.replace(quantity).is_some_and(|before| before != quantity) => return None,
+            Some(Word::Of(_) | Word::Nothing) => {}
+            None => continue,
+        }
+        speaks = true;
+    }
+    found.quantity = said.or(unit);
+    speaks.then_some(found)
 }
 
 /// Whether the name of a topic says that it holds commands: `/arm/commands`.
@@ -136,6 +150,26 @@ pub fn unit_of_name(column: &str) -> Option<&'static str> {
     let name = plain(column);
     let ends = |unit: &&str| name.strip_suffix(unit).is_some_and(|before| before.len() > 1 && before.ends_with('_'));
     UNITS.iter().map(|(unit, _)| *unit).find(ends)
+}
+
+/// What one word of a name says.
+enum Word {
+    Command,
+    Of(JointQuantity),
+    Nothing,
+}
+
+/// `None` of a word of something else.
+fn word_of(word: &str) -> Option<Word> {
+    let is = |known: &[&str]| known.contains(&word);
+    match () {
+        () if is(&COMMANDS) => Some(Word::Command),
+        () if is(&POSITIONS) => Some(Word::Of(JointQuantity::Position)),
+        () if is(&VELOCITIES) => Some(Word::Of(JointQuantity::Velocity)),
+        () if is(&EFFORTS) => Some(Word::Of(JointQuantity::Effort)),
+        () if is(&OTHERS) => Some(Word::Nothing),
+        () => None,
+    }
 }
 
 fn words(name: &str) -> Vec<String> {
@@ -205,6 +239,29 @@ mod tests {
         }
         assert_eq!(found("joint_1_rad", "joint_1"), Some((Some(JointQuantity::Position), false)));
         assert_eq!(found("joint_12_rad", "joint_1"), None);
+    }
+
+    #[test]
+    fn words_of_joints_count_without_the_name_of_one() {
+        use JointQuantity::{Effort, Position, Velocity};
+        let of = |column: &str| of_some_joint(column).map(|of| (of.quantity, of.command));
+        for (column, expected) in [
+            ("qpos.0", (Some(Position), false)),
+            ("qvel.1", (Some(Velocity), false)),
+            ("action.0", (None, true)),
+            ("observation.state.1", (None, false)),
+            ("/joint_states/j/position", (Some(Position), false)),
+            ("/cmd/j/position", (Some(Position), true)),
+            ("field.position0", (Some(Position), false)),
+            ("field.cmd0", (None, true)),
+            ("elbow_goal_rad", (Some(Position), true)),
+            ("tau_3", (Some(Effort), false)),
+        ] {
+            assert_eq!(of(column), Some(expected), "{column}");
+        }
+        for column in ["time", "temperature", "height_m", "z_mm", "b", "pos_vel", ""] {
+            assert_eq!(of(column), None, "{column}");
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@
 //! | `rollout_file` | answered rollouts of a tuning, from which it goes on |
 //! | `atomic` | replacing a file in one step |
 //! | `clock_jump` | a pause that is nearly all of a record |
-//! | `contents` | the listing |
+//! | `contents`, `described` | the listing; the columns of a table by their numbers |
 //! | `error` | what a file refuses, with its place and a hint |
 
 #[cfg(feature = "logs")]
@@ -38,6 +38,7 @@ mod clock_jump;
 mod contents;
 mod csv;
 pub mod dataset;
+mod described;
 mod documents;
 mod encoding;
 mod episodes;
@@ -89,12 +90,13 @@ pub use atomic::write_atomically;
 pub use calibration::read_calibration;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
+pub use described::Described;
 pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
 pub use episodes::{EpisodeColumn, EpisodeLength, Episodes, Selection, episodes, is_episode};
 pub use error::{Error, Result};
 pub use inputs::{InputSource, NotedInput, read_if_there, read_input, read_start, under_inputs};
-pub use joint_words::{JointQuantity, OfJoint, is_of_commands, of_joint, unit_of_name};
+pub use joint_words::{JointQuantity, OfJoint, is_of_commands, of_joint, of_some_joint, unit_of_name};
 pub use log::topics::Topic;
 pub use mcap::pictures;
 pub use mcap::trajectory::{JointPoint, write_approach};

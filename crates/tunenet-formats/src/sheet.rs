@@ -59,7 +59,6 @@ impl Sheet {
     }
 
     /// The numbers of a column.
-    #[cfg(feature = "logs")]
     pub fn column(&self, column: usize) -> impl Iterator<Item = f64> {
         (0..self.rows()).map(move |row| self.cell(row, column))
     }

@@ -47,6 +47,12 @@ impl Printout {
         self.notes.extend(notes.into_iter().cloned());
     }
 
+    /// The text so far.
+    #[cfg(test)]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Prints the text, or with `--json` the object, and then the warnings.
     ///
     /// # Errors

@@ -54,7 +54,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
                 start.rate_hz = found.rate_hz.filter(|rate| *rate > 0.0);
             }
             Contents::Table(_) | Contents::Log(_) => {
-                let recorded = Recorded { path: from, contents: &contents, named: &named, reading };
+                let recorded = Recorded { path: from, contents: &contents, reading };
                 let (typed, rate_hz) = typed::flags(&recorded, &model, &start, &columns)?;
                 (recording, start.rate_hz) = (Some(typed), rate_hz);
             }

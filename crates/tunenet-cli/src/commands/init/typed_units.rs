@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use tunenet_formats::{Contents, EpisodeColumn, NamedColumn, ReadOptions, Result, suggested_units, unit_of_name};
+use tunenet_formats::{Contents, EpisodeColumn, ReadOptions, Result, suggested_units, unit_of_name};
 use tunenet_sim::arm::{Joint, JointKind};
 use tunenet_sim::robot::Drive;
 
@@ -20,7 +20,6 @@ const IN_SI: [&str; 3] = ["position.", "velocity.", "effort."];
 pub struct Recorded<'a> {
     pub path: &'a Path,
     pub contents: &'a Contents,
-    pub named: &'a [NamedColumn],
     pub reading: ReadOptions,
 }
 

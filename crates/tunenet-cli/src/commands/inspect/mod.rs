@@ -4,6 +4,7 @@ mod episodes;
 mod listing;
 mod log;
 mod manifest;
+mod own_names;
 mod reading;
 mod robot_model;
 mod settings;

@@ -7,12 +7,12 @@ use tunenet_formats::Table;
 use tunenet_sim::SimulationFile;
 
 use super::reading::{expected, on_channels, recording};
-use super::{Found, Standing};
+use super::{Found, Standing, own_names};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::{hint, sentence};
 use crate::view::answer::Printout;
-use crate::view::inspect::{joints, motion as render, table};
+use crate::view::inspect::{described, joints, motion as render, table};
 
 pub fn look(
     found: &Table,
@@ -21,6 +21,9 @@ pub fn look(
     sim: Option<&SimulationFile>,
     shown: &mut Printout,
 ) -> Found {
+    if let Some(columns) = described::of(found).filter(|_| found.channels.is_empty() && sim.is_none()) {
+        return own_names::look(found, columns, path, options, shown);
+    }
     // With `--columns` the file is what the mapping makes of it.
     let mapped = !options.reading.numbers.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()).map_err(|reason| (reason, None)) };
@@ -47,8 +50,8 @@ pub fn look(
     let tried = read.as_ref().err().and_then(|(_, hint)| hint.clone());
     let remedy = tried.unwrap_or_else(|| remedy(found, options));
     table::verdict(usable, motion.as_ref(), &remedy, shown);
-    if usable.is_ok() && !found.channels.is_empty() {
-        shown.line("  try: check its columns against a simulation file: `--sim FILE.toml`");
+    if let Some(columns) = described::of(found).filter(|_| usable.is_ok()) {
+        described::next(columns, path, shown);
     }
     let object = table::object(found, usable, motion.as_ref(), units.as_ref(), &notes, &remedy);
     let standing = match (&read, usable) {

@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 use tunenet_core::observation::{Check, Kind, Note};
-use tunenet_formats::{Table, kind_name};
+use tunenet_formats::{Column, Table, kind_name};
 
-use super::joints;
 use super::motion::add_to;
+use super::{described, joints};
 use crate::answers::motion::Motion;
 use crate::view::answer::Printout;
 use crate::view::json::warning;
@@ -16,9 +16,9 @@ pub fn contents(found: &Table, shown: &mut Printout) {
     // A table whose columns say nothing has rows and no samples: what to type comes first.
     let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
     shown.row("table", &format!("{} rows{samples}", found.rows));
-    let columns: Vec<Vec<String>> =
-        found.columns.iter().map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())]).collect();
-    shown.table(&columns);
+    let plain = |c: &Column| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())];
+    let plain = || found.columns.iter().map(plain).collect::<Vec<_>>();
+    shown.table(&described::of(found).map_or_else(plain, |described| described::rows(found, described)));
     if let (Some((first, last)), Some(rate)) = (found.span_s, found.median_rate_hz) {
         let gap = found.largest_gap_s.unwrap_or(0.0);
         let [first, last] = [first, last].map(|t| (t * 1e6).round() / 1e6);
@@ -60,13 +60,17 @@ pub fn object(
     notes: &[Note],
     remedy: &str,
 ) -> Value {
+    let column = |c: &Column| match described::of(found) {
+        Some(described) => described::object(c, described),
+        None => json!({ "name": c.name, "read_as": c.read_as }),
+    };
     let mut object = json!({
         "kind": usable.map(Kind::name).ok(),
         "reason": usable.err(),
         "remedy": usable.err().map(|_| remedy),
         "for": usable.ok().map(|k| motion.and_then(Motion::purpose).unwrap_or_else(|| purpose(k))),
         "rows": found.rows, "samples": found.samples,
-        "columns": found.columns.iter().map(|c| json!({ "name": c.name, "read_as": c.read_as })).collect::<Vec<_>>(),
+        "columns": found.columns.iter().map(column).collect::<Vec<_>>(),
         "span_s": found.span_s.map(|(a, b)| [a, b]), "median_rate_hz": found.median_rate_hz, "largest_gap_s": found.largest_gap_s,
         "broken_lines": found.broken.iter().map(|b| json!({ "line": b.line, "message": b.message })).collect::<Vec<_>>(),
         "broken_count": found.broken_count,
