@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::csv::columns::found;
 use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::scan::scan;
-use crate::csv::{numbers, own_columns};
+use crate::csv::{dates, numbers, own_columns};
 use crate::described::lacks_clock;
 use crate::format::{Format, format};
 use crate::log::files::{absent_parts, files, is_bag};
@@ -159,7 +159,8 @@ fn once(path: &Path, options: &ReadOptions) -> Result<Contents> {
             if !found.may_be_described() {
                 return Ok(Contents::Table(found));
             }
-            Ok(Contents::Table(found.described_by(&numbers::sheet(path)?, options)))
+            let found = found.described_by(&numbers::sheet(path)?, options);
+            Ok(Contents::Table(Table { remedy: dates::remedy(path)?.unwrap_or(found.remedy), ..found }))
         }
         Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
         other => {

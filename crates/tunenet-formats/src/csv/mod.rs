@@ -2,6 +2,7 @@
 
 pub(crate) mod bounces;
 pub(crate) mod columns;
+pub(crate) mod dates;
 pub(crate) mod guess;
 pub(crate) mod guess_joints;
 pub(crate) mod lines;

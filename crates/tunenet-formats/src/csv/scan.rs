@@ -4,8 +4,10 @@ use crate::findings;
 use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
+use super::dates;
 use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
 use super::own_columns;
+use crate::quantity::Quantity;
 use crate::recording::{LARGEST, MOST_NUMBERS, ReadOptions};
 use crate::shown::{counted, shortened};
 use crate::{Error, Result};
@@ -204,7 +206,8 @@ impl Scan {
                 let shown = shortened(text);
                 let message =
                     format!("`{}` is {why}: expected {expected}, found `{shown}`", self.layout.header(source));
-                let hint = "correct the cell, or empty it to leave the sample out";
+                let dated = source.quantity == Quantity::Time && dates::is_date(text);
+                let hint = if dated { dates::HINT } else { "correct the cell, or empty it to leave the sample out" };
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             };
             match number(text, self.separator).map(|value| source.value(value)) {
