@@ -117,6 +117,7 @@ fn number(bytes: &[u8], item: Item) -> f64 {
     let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
     let bits = if item.big { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) };
     match (item.kind, item.bytes) {
+        (b'f', 2) => half(bits as u16),
         (b'f', 4) => f64::from(f32::from_bits(bits as u32)),
         (b'f', _) => f64::from_bits(bits),
         (b'i', 1) => f64::from((bits as u8).cast_signed()),
@@ -124,5 +125,40 @@ fn number(bytes: &[u8], item: Item) -> f64 {
         (b'i', 4) => f64::from((bits as u32).cast_signed()),
         (b'i', _) => bits.cast_signed() as f64,
         _ => bits as f64,
+    }
+}
+
+/// A number of half precision, by its bits.
+///
+/// Source: IEEE 754-2008, binary16: a sign, 5 bits of exponent, 10 of the fraction.
+pub(crate) fn half(bits: u16) -> f64 {
+    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff) / 1024.0);
+    sign * match exponent {
+        0 => fraction * 2f64.powi(-14),
+        0x1f if fraction == 0.0 => f64::INFINITY,
+        0x1f => f64::NAN,
+        _ => (1.0 + fraction) * 2f64.powi(exponent - 15),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_precision_is_read_by_its_bits() {
+        for (bits, number) in [
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x3555, 0.333_251_953_125),
+            (0x7bff, 65_504.0),
+            (0x0001, 2f64.powi(-24)),
+            (0x0400, 2f64.powi(-14)),
+            (0xfc00, f64::NEG_INFINITY),
+        ] {
+            assert_eq!(half(bits), number, "{bits:#x}");
+        }
+        assert!(half(0x7e00).is_nan() && half(0x8000).is_sign_negative());
     }
 }

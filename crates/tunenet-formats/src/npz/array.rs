@@ -107,7 +107,7 @@ fn item(text: &str) -> Result<Item, String> {
     // What is no letter of ASCII has no first byte of its own.
     let bytes = rest.get(1..).and_then(|digits| digits.parse::<usize>().ok()).ok_or_else(refuse)?;
     let known = match kind {
-        b'f' => matches!(bytes, 4 | 8),
+        b'f' => matches!(bytes, 2 | 4 | 8),
         b'i' | b'u' => matches!(bytes, 1 | 2 | 4 | 8),
         b'b' => bytes == 1,
         _ => false,

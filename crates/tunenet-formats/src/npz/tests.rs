@@ -117,6 +117,19 @@ fn an_array_without_names_is_read_by_the_numbers_of_its_columns() {
 }
 
 #[test]
+fn half_precision_is_read_in_both_byte_orders() {
+    for (kind, bytes) in
+        [("'<f2'", [0x00, 0x3c, 0x00, 0xc0, 0x00, 0x38]), ("'>f2'", [0x3c, 0x00, 0xc0, 0x00, 0x38, 0x00])]
+    {
+        let times = array("'<f8'", false, "(3,)", &doubles(&[0.0, 0.5, 1.0]));
+        let (_folder, path) =
+            file("a.npz", archive(&[("t_s.npy", times), ("z_m.npy", array(kind, false, "(3,)", &bytes))]));
+        let found = read(&path, &ReadOptions::default()).unwrap().observation;
+        assert_eq!(found.column(2).collect::<Vec<_>>(), [1.0, -2.0, 0.5], "{kind}");
+    }
+}
+
+#[test]
 fn broken_arrays_say_what_is_wrong() {
     let refused = |bytes: Vec<u8>| {
         let (_folder, path) = file("a.npy", bytes);

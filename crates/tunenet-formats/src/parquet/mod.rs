@@ -3,6 +3,7 @@
 //! Source: the format of Apache Parquet, read by the crate `parquet`; values of nested columns are distinguished by their definition
 //! and repetition levels.
 
+mod column;
 mod pages;
 mod promises;
 mod values;
@@ -11,28 +12,36 @@ use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, TimestampType, Type as Physical};
+use parquet::basic::CompressionCodec;
 use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::statistics::Statistics;
-use parquet::schema::types::ColumnDescriptor;
 
+use self::column::column;
+pub(crate) use self::column::{Column, Holds};
 use self::pages::Counted;
-use self::values::Levels;
+use self::values::Failure;
 pub(crate) use self::values::Numbers;
 use crate::documents::refuse_git_lfs_pointer;
 use crate::findings;
 use crate::recording::MOST_NUMBERS;
-use crate::ros::stamps::to_s;
 use crate::sheet::Sheet;
 use crate::shown::list;
 use crate::source::open;
 use crate::{Action, Error, Result};
 use tunenet_core::observation::Note;
+use tunenet_core::text::visible;
 
 /// Most columns of a file that are looked at.
 const MOST_COLUMNS: usize = 10_000;
+
+/// What this build unpacks: other methods need crates of their own.
+const UNPACKED: [CompressionCodec; 4] =
+    [CompressionCodec::UNCOMPRESSED, CompressionCodec::SNAPPY, CompressionCodec::GZIP, CompressionCodec::ZSTD];
+/// What is tried where a column is compressed by another.
+const REPACK: &str = "write the file again with zstd: `python3 -c \"import sys, pyarrow.parquet as p; \
+    p.write_table(p.read_table(sys.argv[1]), sys.argv[2], compression='zstd')\" OLD.parquet NEW.parquet`";
 
 /// What is tried where a file is broken.
 const AGAIN: &str = "copy or download the file again";
@@ -42,39 +51,6 @@ pub(crate) struct Parquet {
     path: PathBuf,
     reader: SerializedFileReader<File>,
     columns: Vec<Column>,
-}
-
-/// A column of numbers, or of as many numbers in each row.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Column {
-    pub name: String,
-    pub of: Holds,
-    index: usize,
-    levels: Levels,
-}
-
-impl Column {
-    /// What it is called in a table, with `width` numbers in each row.
-    fn names(&self, width: usize) -> Vec<String> {
-        match self.of {
-            Holds::List => (0..width).map(|i| format!("{}.{i}", self.name)).collect(),
-            Holds::Instant(_) if !self.name.ends_with("_s") => vec![format!("{}_s", self.name)],
-            _ => vec![self.name.clone()],
-        }
-    }
-}
-
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Holds {
-    /// One number in each row.
-    Number,
-    /// One instant in each row: so many of its ticks are a second.
-    Instant(i64),
-    /// A list of numbers in each row.
-    List,
-    /// Anything else.
-    Other,
 }
 
 impl Parquet {
@@ -174,36 +150,45 @@ impl Parquet {
     }
 
     fn read(&self, group: usize, column: &Column, of: &Range<usize>) -> Result<Numbers> {
+        let codec = self.reader.metadata().row_group(group).column(column.index).compression_codec();
+        if !UNPACKED.contains(&codec) {
+            let message = format!(
+                "column `{}` is compressed with {codec}: expected no compression, snappy, gzip or zstd",
+                visible(&column.name)
+            );
+            return Err(Error::file(&self.path, message, REPACK));
+        }
         self.check_pages(group, column)?;
-        let read = || -> std::result::Result<Numbers, ParquetError> {
+        let read = || -> std::result::Result<Numbers, Failure> {
             let rows = self.reader.get_row_group(group)?;
             let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
             let pages = Counted::new(rows.get_column_page_reader(column.index)?, MOST_NUMBERS);
-            let reader = get_column_reader(described, Box::new(pages));
-            let levels = column.levels;
-            let seconds = |ticks: i64, a_second: i64| {
-                // Nanoseconds keep their last digit.
-                ticks.checked_mul(1_000_000_000 / a_second).map_or(ticks as f64 / a_second as f64, to_s)
-            };
-            match (reader, column.of) {
-                (ColumnReader::BoolColumnReader(reader), _) => {
-                    values::read(reader, levels, of, |v| f64::from(u8::from(*v)))
+            let (levels, form) = (column.levels, column.form);
+            match get_column_reader(described, Box::new(pages)) {
+                ColumnReader::BoolColumnReader(reader) => values::read(reader, levels, of, |v| f64::from(u8::from(*v))),
+                ColumnReader::Int32ColumnReader(reader) => {
+                    values::read(reader, levels, of, |v| form.whole(i64::from(*v)))
                 }
-                (ColumnReader::Int32ColumnReader(reader), _) => values::read(reader, levels, of, |v| f64::from(*v)),
-                (ColumnReader::Int64ColumnReader(reader), Holds::Instant(a_second)) => {
-                    values::read(reader, levels, of, |v| seconds(*v, a_second))
+                ColumnReader::Int64ColumnReader(reader) => values::read(reader, levels, of, |v| form.whole(*v)),
+                ColumnReader::FloatColumnReader(reader) => values::read(reader, levels, of, |v| f64::from(*v)),
+                ColumnReader::DoubleColumnReader(reader) => values::read(reader, levels, of, |v| *v),
+                ColumnReader::FixedLenByteArrayColumnReader(reader) => {
+                    values::read(reader, levels, of, |v| form.bytes(v.data()))
                 }
-                (ColumnReader::Int64ColumnReader(reader), _) => values::read(reader, levels, of, |v| *v as f64),
-                (ColumnReader::FloatColumnReader(reader), _) => values::read(reader, levels, of, |v| f64::from(*v)),
-                (ColumnReader::DoubleColumnReader(reader), _) => values::read(reader, levels, of, |v| *v),
-                _ => Err(ParquetError::General("no column of numbers".into())),
+                ColumnReader::ByteArrayColumnReader(reader) => {
+                    values::read(reader, levels, of, |v| form.bytes(v.data()))
+                }
+                ColumnReader::Int96ColumnReader(_) => Err(ParquetError::General("no column of numbers".into()).into()),
             }
         };
-        read().map_err(|e| match e {
-            ParquetError::General(why) | ParquetError::NYI(why) => {
-                Error::file(&self.path, format!("column `{}` cannot be read: {why}", column.name), AGAIN)
-            }
-            other => broken(&self.path, &other),
+        let refuse = |why: String, hint: &str| {
+            Error::file(&self.path, format!("column `{}` cannot be read: {why}", visible(&column.name)), hint)
+        };
+        read().map_err(|failure| match failure {
+            Failure::Broken(ParquetError::General(why) | ParquetError::NYI(why)) => refuse(why, AGAIN),
+            Failure::Broken(other) => broken(&self.path, &other),
+            Failure::TooMany(why) => refuse(why, "keep the rows and columns that are needed"),
+            Failure::Uneven(why) => refuse(why, "write lists of one length, or leave the column out"),
         })
     }
 
@@ -274,37 +259,6 @@ impl Parquet {
         let text = format!("columns that hold no numbers are left out: {}", list(others.iter().copied(), 6));
         (!others.is_empty()).then(|| Note::new(findings::COLUMNS_IGNORED, text, "write them as numbers if they matter"))
     }
-}
-
-/// A column of the schema. A list is named as its field is, not as what Parquet calls its elements.
-fn column(index: usize, described: &ColumnDescriptor) -> Column {
-    let (definition, repetition) = (described.max_def_level(), described.max_rep_level());
-    let levels = Levels { definition, repetition, optional: described.self_type().is_optional() };
-    let parts = described.path().parts();
-    let list = levels.repetition == 1;
-    let named = if list { &parts[..1.max(parts.len().saturating_sub(2))] } else { parts };
-    let ticks = match (described.logical_type_ref(), described.converted_type()) {
-        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::MILLIS, .. })), _)
-        | (_, ConvertedType::TIMESTAMP_MILLIS) => 1_000,
-        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::MICROS, .. })), _)
-        | (_, ConvertedType::TIMESTAMP_MICROS) => 1_000_000,
-        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::NANOS, .. })), _) => 1_000_000_000,
-        _ => 0,
-    };
-    let decimal = described.converted_type() == ConvertedType::DECIMAL;
-    let of = match described.physical_type() {
-        _ if levels.repetition > 1 || decimal => Holds::Other,
-        Physical::INT64 if ticks > 0 && !list => Holds::Instant(ticks),
-        Physical::BOOLEAN | Physical::INT32 | Physical::INT64 | Physical::FLOAT | Physical::DOUBLE => {
-            if list {
-                Holds::List
-            } else {
-                Holds::Number
-            }
-        }
-        Physical::INT96 | Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Holds::Other,
-    };
-    Column { name: named.join("."), of, index, levels }
 }
 
 fn refuse_promise(path: &Path, promised: Option<u64>) -> Result<()> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use parquet::data_type::{ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArrayType, DoubleType, FixedLenByteArray, FixedLenByteArrayType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
@@ -69,6 +69,57 @@ fn missing_numbers_and_instants_are_read() {
     assert_eq!(sheet.names, ["t_s", "z_m", "stamp_s"]);
     assert_eq!(sheet.notes[0].text, "columns that hold no numbers are left out: `note`");
     assert_eq!(sheet.values[2].to_bits(), 1_700_000_000.000_000_001_f64.to_bits());
+}
+
+/// What follows the columns of times and decimals is written by pyarrow in this form.
+#[test]
+fn decimals_and_half_precision_are_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let schema = "message log { required double t_s; required int32 j_rad (DECIMAL(6, 2)); \
+                  required fixed_len_byte_array(2) h_rad (FLOAT16); required fixed_len_byte_array(9) d_rad (DECIMAL(20, 3)); }";
+    let schema = Arc::new(parse_message_type(schema).unwrap());
+    let properties = Arc::new(WriterProperties::builder().build());
+    let mut writer = SerializedFileWriter::new(File::create(&path).unwrap(), schema, properties).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<DoubleType>().write_batch(&[0.0, 1.0, 2.0], None, None).unwrap();
+    column.close().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<Int32Type>().write_batch(&[150, -25, 0], None, None).unwrap();
+    column.close().unwrap();
+    let bytes = |rows: [&[u8]; 3]| rows.map(|row| FixedLenByteArray::from(row.to_vec()));
+    let mut column = group.next_column().unwrap().unwrap();
+    let halves = bytes([&[0x00, 0x3c], &[0x00, 0xc0], &[0x00, 0x00]]);
+    column.typed::<FixedLenByteArrayType>().write_batch(&halves, None, None).unwrap();
+    column.close().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    let decimals = bytes([&[0, 0, 0, 0, 0, 0, 0, 0x03, 0xe8], &[0xff; 9], &[0; 9]]);
+    column.typed::<FixedLenByteArrayType>().write_batch(&decimals, None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    let sheet = Parquet::open(&path).unwrap().sheet().unwrap();
+    assert_eq!(sheet.names, ["t_s", "j_rad", "h_rad", "d_rad"]);
+    assert_eq!(sheet.values, [0.0, 1.5, 1.0, 1.0, 1.0, -0.25, -2.0, -0.001, 2.0, 0.0, 0.0, 0.0]);
+    assert!(sheet.notes.is_empty());
+}
+
+/// The crate names the codec by a feature of its own build; a file says it in its footer, where a single byte states it.
+#[test]
+fn a_compression_that_is_not_read_is_named_with_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    made(&path, &[0.0, 1.0, 2.0], &[Some(1.0), Some(2.0), Some(3.0)]);
+    let mut bytes = std::fs::read(&path).unwrap();
+    // In the compact protocol of Thrift: the path `t_s` in a list of texts, and the next field, a whole number in zigzag.
+    let at = bytes.windows(6).rposition(|w| w == [0x18, 0x03, b't', b'_', b's', 0x15]).unwrap() + 6;
+    assert_eq!(bytes[at], 0, "uncompressed");
+    bytes[at] = 8;
+    std::fs::write(&path, bytes).unwrap();
+    let (message, hint) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
+    let wanted = "a.parquet: column `t_s` is compressed with BROTLI: expected no compression, snappy, gzip or zstd";
+    assert!(message == wanted && hint.contains("compression='zstd'"), "{message} {hint}");
 }
 
 #[test]

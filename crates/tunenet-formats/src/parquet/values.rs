@@ -28,13 +28,34 @@ pub(crate) struct Numbers {
     pub rows: usize,
 }
 
+/// Why a column is not read.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// The crate refuses it.
+    Broken(ParquetError),
+    /// It has more numbers than are read.
+    TooMany(String),
+    /// Its rows have lists of different lengths.
+    Uneven(String),
+}
+
+impl From<ParquetError> for Failure {
+    fn from(error: ParquetError) -> Self {
+        Self::Broken(error)
+    }
+}
+
+fn too_many() -> Failure {
+    Failure::TooMany(format!("expected at most {MOST_NUMBERS} numbers, found more"))
+}
+
 /// The values of these rows of a column, as far as there are so many.
 pub(super) fn read<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     levels: Levels,
     rows: &Range<usize>,
     number: impl Fn(&T::T) -> f64,
-) -> Result<Numbers, ParquetError> {
+) -> Result<Numbers, Failure> {
     let mut found = Ragged::default();
     if rows.start > 0 && reader.skip_records(rows.start)? < rows.start {
         return found.even();
@@ -54,7 +75,7 @@ pub(super) fn read<T: DataType>(
         left = left.saturating_sub(records);
         found.add(levels, &definition, &repetition, values.iter().map(&number))?;
         if found.values.len() > MOST_NUMBERS || found.starts.len() > MOST_NUMBERS {
-            return Err(ParquetError::General(format!("expected at most {MOST_NUMBERS} numbers, found more")));
+            return Err(too_many());
         }
     }
 }
@@ -96,7 +117,7 @@ impl Ragged {
     }
 
     /// The rows where all are of one length; an empty one is missing.
-    fn even(self) -> Result<Numbers, ParquetError> {
+    fn even(self) -> Result<Numbers, Failure> {
         let rows = self.starts.len();
         let end = |row: usize| self.starts.get(row + 1).copied().unwrap_or(self.values.len());
         let width = (0..rows).map(|row| end(row) - self.starts[row]).max().unwrap_or(0);
@@ -104,7 +125,7 @@ impl Ragged {
             return Ok(Numbers { values: self.values, width, rows });
         }
         if rows.saturating_mul(width) > MOST_NUMBERS {
-            return Err(ParquetError::General(format!("expected at most {MOST_NUMBERS} numbers, found more")));
+            return Err(too_many());
         }
         let mut values = Vec::with_capacity(rows * width);
         for row in 0..rows {
@@ -113,7 +134,7 @@ impl Ragged {
                 found if found == width => values.extend_from_slice(&self.values[self.starts[row]..end(row)]),
                 found => {
                     let why = format!("expected {width} numbers in each row, found {found} in row {}", row + 1);
-                    return Err(ParquetError::General(why));
+                    return Err(Failure::Uneven(why));
                 }
             }
         }
@@ -125,7 +146,7 @@ impl Ragged {
 mod tests {
     use super::*;
 
-    fn ragged(definition: &[i16], repetition: &[i16], values: &[f64]) -> Result<Numbers, ParquetError> {
+    fn ragged(definition: &[i16], repetition: &[i16], values: &[f64]) -> Result<Numbers, Failure> {
         let mut found = Ragged::default();
         found.add(
             Levels { definition: 3, repetition: 1, optional: true },
@@ -145,7 +166,8 @@ mod tests {
         assert_eq!((gaps.width, gaps.rows), (2, 2));
         assert!(gaps.values[0].is_nan() && gaps.values[1].is_nan() && gaps.values[3].is_nan());
         assert_eq!(gaps.values[2], 5.0);
-        assert!(ragged(&[3, 3, 3], &[0, 1, 0], &[1.0, 2.0, 3.0]).is_err());
+        let uneven = ragged(&[3, 3, 3], &[0, 1, 0], &[1.0, 2.0, 3.0]);
+        assert!(matches!(uneven, Err(Failure::Uneven(why)) if why.ends_with("found 1 in row 2")));
         assert!(ragged(&[3, 3], &[0, 1], &[1.0]).is_err());
     }
 }
