@@ -3,7 +3,7 @@
 //!
 //! | file | subject |
 //! |---|---|
-//! | `tree` | groups and arrays of a file |
+//! | `tree`, `shape` | groups and arrays of a file; which arrays are columns |
 //! | `episode` | the columns of one episode |
 //! | `actions` | whether actions are what joints are sent to |
 //! | `listing` | what a file says of itself |
@@ -11,6 +11,7 @@
 mod actions;
 mod episode;
 mod listing;
+mod shape;
 mod tree;
 
 use std::path::{Path, PathBuf};
@@ -66,6 +67,7 @@ impl Demonstrations {
                 "expected arrays with a row for each instant, found none in {}",
                 counted(found.groups, "group")
             );
+            let message = found.left_out.map_or(message.clone(), |note| format!("{message}; {}", note.text));
             return Err(Error::file(path, message, "give a file of demonstrations or of a log"));
         }
         Ok(Self {
@@ -129,10 +131,17 @@ fn opened(path: &Path) -> Result<File> {
 
 /// What is wrong with a file that the crate refuses.
 fn broken(path: &Path, error: &hdf5_pure::Error) -> Error {
-    // A link without an address is one to a name or to another file.
+    broken_in(path, "/", error)
+}
+
+/// The same, where the group that is read is known.
+fn broken_in(path: &Path, group: &str, error: &hdf5_pure::Error) -> Error {
+    // A link without an address is one to a name.
     if let hdf5_pure::Error::Format(hdf5_pure::FormatError::OffsetOverflow { offset: u64::MAX, .. }) = error {
+        let message =
+            format!("expected arrays and groups in {}, found a soft link, which is not followed", list([group], 1));
         let hint = "copy what it names: with h5py, `del file['LINK']`, then `file.copy('NAME', 'LINK')`";
-        return Error::file(path, "expected arrays and groups, found a soft link, which is not followed", hint);
+        return Error::file(path, message, hint);
     }
     Error::file(path, format!("the HDF5 file is cut off, broken or not closed: {error}"), AGAIN)
 }

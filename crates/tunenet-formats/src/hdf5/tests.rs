@@ -1,6 +1,6 @@
 //! Files made in code.
 
-use hdf5_pure::{AttrValue, FileBuilder};
+use hdf5_pure::{AttrValue, DatatypeByteOrder, FileBuilder, FloatingPointLayout};
 
 use crate::testing::error_text;
 use crate::{Contents, ReadOptions, UnitRule, contents, contents_with, episodes, findings, read};
@@ -144,6 +144,50 @@ fn a_flat_file_with_times_reads_as_a_text_and_other_files_are_refused() {
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     assert!(read(&path, &flat).is_err());
+}
+
+fn half_type() -> hdf5_pure::Datatype {
+    let layout = FloatingPointLayout {
+        bit_offset: 0,
+        bit_precision: 16,
+        exponent_location: 10,
+        exponent_size: 5,
+        mantissa_location: 0,
+        mantissa_size: 10,
+        exponent_bias: 15,
+    };
+    hdf5_pure::Datatype::FloatingPoint { size: 2, byte_order: DatatypeByteOrder::LittleEndian, layout }
+}
+
+#[test]
+fn half_precision_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    let mut file = FileBuilder::new();
+    let halves: Vec<u8> = (0..ROWS).flat_map(|k| if k % 2 == 0 { [0x00, 0x3c] } else { [0x00, 0xc0] }).collect();
+    file.create_dataset("q").with_raw_data(half_type(), halves, ROWS).with_shape(&[ROWS]);
+    file.write(&path).unwrap();
+    let options = ReadOptions {
+        columns: vec![("elbow_rad".into(), "q".into())],
+        units: vec![UnitRule::parse("rad").unwrap()],
+        ..options(Some(20.0))
+    };
+    let seen = read(&path, &options).unwrap().observation;
+    assert_eq!([seen.row(0)[0], seen.row(1)[0]], [1.0, -2.0]);
+}
+
+#[test]
+fn arrays_that_are_no_columns_are_named_where_there_are_no_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    let mut file = FileBuilder::new();
+    file.create_dataset("note").with_u8_data(&[1, 2]).with_shape(&[2]);
+    file.write(&path).unwrap();
+    let (message, _) = error_text(&contents(&path).unwrap_err());
+    let wanted = "a.hdf5: expected arrays with a row for each instant, found none in 0 groups; arrays are left out: `note (no rows of numbers)`";
+    assert_eq!(message, wanted);
+    let large = super::shape::NoColumns::Large(14_000_000_000).to_string();
+    assert_eq!(large, "14000000000 numbers, more than 40000000");
 }
 
 #[test]

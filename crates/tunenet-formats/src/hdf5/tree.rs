@@ -3,23 +3,21 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
+use hdf5_pure::{AttrValue, Dataset, File, Group};
 
-use super::broken;
+use super::shape::{Shape, numbers, shape};
+use super::{broken, broken_in};
 use crate::findings;
 use crate::numbered::split;
 use crate::recording::MOST_NUMBERS;
 use crate::sheet::most_common_rows;
 use crate::shown::{counted, list};
 use crate::{Error, Result};
-use tunenet_core::observation::{FEWEST_SAMPLES, Note};
+use tunenet_core::observation::Note;
 
 /// Deepest group below an episode, and most groups and arrays of a file that are looked at.
 const DEEPEST: usize = 8;
 const MOST_OBJECTS: usize = 100_000;
-
-/// Most numbers of a row of one array that are columns: more are a picture or a map.
-const WIDEST: u64 = 512;
 
 /// The attribute in which robomimic and Isaac Lab describe the simulator.
 const ENVIRONMENT: &str = "env_args";
@@ -31,6 +29,8 @@ pub(super) struct Found {
     pub empty: Vec<String>,
     pub environment: String,
     pub groups: usize,
+    /// What there is in place of episodes.
+    pub left_out: Option<Note>,
 }
 
 /// The numbers of an episode, a row for each instant.
@@ -78,7 +78,7 @@ impl Array {
     /// # Errors
     /// [`Error::File`] where it is broken.
     pub fn numbers(&self, path: &Path) -> Result<Vec<f64>> {
-        let found = self.data.read_f64().map_err(|e| broken(path, &e))?;
+        let found = numbers(&self.data).map_err(|e| broken(path, &e))?;
         if found.len() != self.rows * self.width {
             let message =
                 format!("`{}`: expected {} numbers, found {}", self.name, self.rows * self.width, found.len());
@@ -93,7 +93,7 @@ impl Array {
 pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
     let root = file.root();
     let mut found = Found::default();
-    let groups = sorted(root.groups().map_err(|e| broken(path, &e))?);
+    let groups = sorted(root.groups().map_err(|e| broken_in(path, "/", &e))?);
     found.groups = groups.len();
     let top = own_arrays(path, &root)?;
     for name in &groups {
@@ -101,8 +101,8 @@ pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
         if found.environment.is_empty() {
             found.environment = environment(&group);
         }
-        let inner = sorted(group.groups().map_err(|e| broken(path, &e))?);
-        let arrays = group.datasets().map_err(|e| broken(path, &e))?;
+        let inner = sorted(group.groups().map_err(|e| broken_in(path, name, &e))?);
+        let arrays = group.datasets().map_err(|e| broken_in(path, name, &e))?;
         found.groups += inner.len();
         if inner.is_empty() && arrays.is_empty() {
             found.empty.push(name.clone());
@@ -124,8 +124,13 @@ pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
             found.episodes.push((name, group));
         }
     }
-    if found.episodes.is_empty() && !arrays(path, file, "/")?.is_empty() {
-        found.episodes.push((String::new(), "/".into()));
+    if found.episodes.is_empty() {
+        let (arrays, left_out) = arrays_and_others(path, file, "/")?;
+        if arrays.is_empty() {
+            found.left_out = left_out;
+        } else {
+            found.episodes.push((String::new(), "/".into()));
+        }
     }
     if found.environment.is_empty() {
         found.environment = environment(&root);
@@ -139,7 +144,7 @@ pub(super) fn one(path: &Path, file: &File, name: &str) -> Result<Option<Found>>
     if !numbered(name) || own_arrays(path, &root)? {
         return Ok(None);
     }
-    let tops = sorted(root.groups().map_err(|e| broken(path, &e))?);
+    let tops = sorted(root.groups().map_err(|e| broken_in(path, "/", &e))?);
     let mut places: Vec<String> = tops.iter().filter(|top| *top == name).cloned().collect();
     let mut environment = String::new();
     // What describes the simulator stands in all episodes or above them.
@@ -202,7 +207,7 @@ fn sorted(mut names: Vec<String>) -> Vec<String> {
 fn own_arrays(path: &Path, group: &Group) -> Result<bool> {
     for name in group.datasets().map_err(|e| broken(path, &e))? {
         let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
-        if shape(&data).is_some() {
+        if shape(&data).is_ok() {
             return Ok(true);
         }
     }
@@ -230,22 +235,23 @@ pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>
 }
 
 /// The same, and what is said of the arrays that have another number of rows.
-pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result<(Vec<Array>, Option<Note>)> {
-    let top = if group == "/" { file.root() } else { file.group(group).map_err(|e| broken(path, &e))? };
-    let (mut found, mut no_numbers, mut objects) = (Vec::new(), Vec::new(), 0);
+pub(super) fn arrays_and_others(path: &Path, file: &File, top_name: &str) -> Result<(Vec<Array>, Option<Note>)> {
+    let top = if top_name == "/" { file.root() } else { file.group(top_name).map_err(|e| broken(path, &e))? };
+    let (mut found, mut no_rows, mut objects) = (Vec::new(), Vec::new(), 0);
     let mut open = vec![(top, String::new(), 0)];
     while let Some((group, prefix, depth)) = open.pop() {
-        for name in group.datasets().map_err(|e| broken(path, &e))? {
+        let place = place_of(top_name, &prefix);
+        for name in group.datasets().map_err(|e| broken_in(path, &place, &e))? {
             objects += 1;
             let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
             match shape(&data) {
-                Some((rows, width, flat)) => {
+                Ok(Shape { rows, width, flat }) => {
                     found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data });
                 }
-                None => no_numbers.push(format!("{prefix}{name}")),
+                Err(why) => no_rows.push(format!("{prefix}{name} ({why})")),
             }
         }
-        for name in group.groups().map_err(|e| broken(path, &e))? {
+        for name in group.groups().map_err(|e| broken_in(path, &place, &e))? {
             objects += 1;
             if depth < DEEPEST {
                 let inner = group.group(&name).map_err(|e| broken(path, &e))?;
@@ -260,12 +266,9 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result
     let rows = most_common_rows(found.iter().map(|array| array.rows)).unwrap_or(0);
     let others = found.iter().filter(|array| array.rows != rows);
     let of_length = others.map(|array| format!("{} ({})", array.name, counted(array.rows, "row")));
-    let others: Vec<String> =
-        of_length.chain(no_numbers.into_iter().map(|name| format!("{name} (no rows of numbers)"))).collect();
-    let text = format!(
-        "arrays that are no {rows} rows of numbers are left out: {}",
-        list(others.iter().map(String::as_str), 8)
-    );
+    let others: Vec<String> = of_length.chain(no_rows).collect();
+    let which = if rows == 0 { "arrays".to_owned() } else { format!("arrays that are no {rows} rows of numbers") };
+    let text = format!("{which} are left out: {}", list(others.iter().map(String::as_str), 8));
     let note = Note::new(findings::COLUMNS_IGNORED, text, "save them with a row for each instant if they matter");
     found.retain(|array| array.rows == rows);
     found.sort_by(|a, b| a.name.cmp(&b.name));
@@ -276,27 +279,12 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, group: &str) -> Result
     Ok((found, (!others.is_empty()).then_some(note)))
 }
 
-/// Rows, numbers in a row, and whether it is a list; `None` for what has no row of numbers for each of three instants.
-fn shape(data: &Dataset) -> Option<(usize, usize, bool)> {
-    let number = matches!(
-        data.dtype().ok()?,
-        DType::F32
-            | DType::F64
-            | DType::I8
-            | DType::I16
-            | DType::I32
-            | DType::I64
-            | DType::U8
-            | DType::U16
-            | DType::U32
-            | DType::U64
-    );
-    let (rows, width, flat) = match data.shape().ok()?.as_slice() {
-        [rows] => (*rows, 1, true),
-        [rows, width @ 1..=WIDEST] => (*rows, *width, false),
-        _ => return None,
-    };
-    let (rows, width) = (usize::try_from(rows).ok()?, usize::try_from(width).ok()?);
-    let few = rows.checked_mul(width).is_some_and(|numbers| numbers <= MOST_NUMBERS);
-    (number && few && rows >= FEWEST_SAMPLES).then_some((rows, width, flat))
+/// The path of a group below `top`, whose arrays have `prefix` before their names.
+fn place_of(top: &str, prefix: &str) -> String {
+    let inner = prefix.trim_end_matches('.').replace('.', "/");
+    match (top, inner.as_str()) {
+        (top, "") => top.to_owned(),
+        ("/", inner) => inner.to_owned(),
+        (top, inner) => format!("{top}/{inner}"),
+    }
 }
