@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::observation::{Kind, Note, Observation, with_decimals};
-use tunenet_formats::{Error, ReadOptions, Recording, findings, read_if_there, read_start, refuse_unused_options};
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, read_start, refuse_unused_options};
 use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
 use super::inputs;
 use super::read_inputs::ReadInputs;
+use super::record_end::{ended, goes_on};
 
 /// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
 pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions) -> Result<Recording> {
@@ -60,27 +61,17 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
     }
     match (given, driven) {
         (Some(path), Some(driven)) => {
-            let (first_s, end_s) =
-                (recording.observation.clock()[0], *recording.observation.clock().last().unwrap_or(&0.0));
+            let whole = recording.observation.clone();
+            let (first_s, end_s) = (whole.clock()[0], *whole.clock().last().unwrap_or(&0.0));
             let mut driven = driven.drive(path, recording, 0)?;
             driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
-            Ok(driven)
+            Ok(ended(driven, &whole))
         }
-        _ => inputs::defaults(file, recording),
+        _ => {
+            let whole = recording.observation.clone();
+            Ok(ended(inputs::defaults(file, recording)?, &whole))
+        }
     }
-}
-
-/// That inputs go on after the last sample of `[record]`, both counted from its first one.
-fn goes_on(file: &SimulationFile, longest_s: f64, end_s: f64) -> Option<Note> {
-    let record = file.record();
-    if longest_s <= end_s + 1.5 / record.rate_hz {
-        return None;
-    }
-    let (last, end) = (with_decimals(longest_s, 2), with_decimals(end_s, 2));
-    let text = format!("the inputs go on to {last} s, and [record] ends at {end} s: what comes later is not simulated");
-    let frames = (longest_s * record.rate_hz).floor() + 1.0;
-    let remedy = format!("to simulate all of them: `--set record.frames={frames}`");
-    Some(Note::new(findings::INPUT_LONG, text, remedy))
 }
 
 /// Whether a file says where a channel starts.

@@ -9,6 +9,7 @@ mod interfaces;
 mod joints;
 mod options;
 mod read_inputs;
+mod record_end;
 mod recording;
 mod scene;
 mod setups;
