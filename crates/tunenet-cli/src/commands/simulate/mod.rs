@@ -1,6 +1,7 @@
 //! `tunenet simulate`.
 
 mod arm;
+mod notes;
 mod process;
 mod scenes;
 mod write;

@@ -7,10 +7,11 @@ use tunenet_core::{Error, Origin};
 use tunenet_sim::{Session, SimulationFile, law, observed};
 
 use super::super::refusal::{self, Asked};
+use super::notes;
 use crate::args::Simulate;
 use crate::commands::load::{Driven, inputs};
 use crate::files::names;
-use crate::view::text::{warn, warn_all};
+use crate::view::text::warn_all;
 
 /// What recordings of it would hold, each under the name of the recording that it is driven as.
 pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -> Result<Vec<(String, Observation)>> {
@@ -23,7 +24,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
         names::require_ending(&options.out, "--out", &["csv"])?;
     }
     let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
-    driven.recordings.iter().flat_map(|(_, recording)| &recording.notes).for_each(warn);
+    warn_all(&notes::of_all(&driven.recordings));
     let simulator: Box<dyn Simulator> = if options.truth {
         Box::new(Measured::new(observed::bare(&[file], session)?, &[])?)
     } else {
