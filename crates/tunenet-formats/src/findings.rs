@@ -91,7 +91,7 @@ finding_kinds! {
         "an episode has another number of frames than its data set lists",
         "download `meta` and `data` of one version";
     warning COLUMNS_NUMBERED = "columns.numbered",
-        "names of a data set's numbers occur twice: they are numbered instead",
+        "names of a data set's numbers occur twice, or are not as many as the numbers: these are numbered instead",
         "correct `names` in `meta/info.json`";
     warning FILES_MISSING = "files.missing",
         "the numbers of a recording's files have a gap",

@@ -51,8 +51,17 @@ pub(crate) struct Feature {
     pub column: String,
     /// What each of its numbers is called here: `elbow`, `action.elbow`, `velocity.elbow`.
     pub names: Vec<String>,
-    /// A name that occurs twice in the data set, for which numbers stand among [`names`](Self::names).
-    pub twice: Option<String>,
+    /// Why numbers stand in place of the names that the data set has.
+    pub numbered: Option<Numbered>,
+}
+
+/// Why names are not used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Numbered {
+    /// This one occurs twice.
+    Twice(String),
+    /// There are so many, and another number of numbers.
+    Count(usize),
 }
 
 impl Info {
@@ -89,6 +98,11 @@ impl Info {
         let data_path = value.get("data_path").and_then(Value::as_str).unwrap_or(usual).to_owned();
         let chunk = value.get("chunks_size").and_then(Value::as_u64).filter(|size| *size > 0).unwrap_or(CHUNK);
         Ok(Self { layout, version, robot, rate_hz, episodes, features, data_path, chunk })
+    }
+
+    /// Where it says that its files of data stand; `None` where that is the usual place.
+    pub fn unusual_path(&self) -> Option<&str> {
+        Some(self.data_path.as_str()).filter(|path| ![DATA_PATH, EPISODE_PATH].contains(path))
     }
 
     /// The file of version 3 with these numbers, seen from the folder of the data set. Nothing outside it is named.
@@ -140,7 +154,7 @@ fn feature(column: &str, about: &Value) -> Option<Feature> {
         "observation.state" => "",
         other => other.strip_prefix("observation.").unwrap_or(other),
     };
-    let (parts, twice) = parts(about.get("names"), width);
+    let (parts, numbered) = parts(about.get("names"), width);
     let named = |part: String| match (prefix, width) {
         ("", _) => part,
         (prefix, 1) if part == "0" => prefix.to_owned(),
@@ -149,13 +163,13 @@ fn feature(column: &str, about: &Value) -> Option<Feature> {
     let names = parts.into_iter().map(|part| {
         if prefix.is_empty() && part.parse::<u32>().is_ok() { format!("state.{part}") } else { named(part) }
     });
-    Some(Feature { column: column.to_owned(), names: names.collect(), twice })
+    Some(Feature { column: column.to_owned(), names: names.collect(), numbered })
 }
 
 /// The names of a feature's numbers: from a list, from a list in a list, or from a table of one (`{"motors": […]}`) or of names and
 /// places (`{"elbow.pos": 0}`); their numbers from 0 where these are not as many. What all of them end in, such as `.pos`, is left out.
-/// The second value is a name that occurs twice, for which numbers are used.
-fn parts(names: Option<&Value>, width: usize) -> (Vec<String>, Option<String>) {
+/// The second value says why numbers are used although there are names.
+fn parts(names: Option<&Value>, width: usize) -> (Vec<String>, Option<Numbered>) {
     let numbered = || (0..width).map(|i| i.to_string()).collect();
     let texts = |list: &Vec<Value>| list.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<String>>>();
     let found = match names {
@@ -175,10 +189,13 @@ fn parts(names: Option<&Value>, width: usize) -> (Vec<String>, Option<String>) {
         }
         _ => None,
     };
-    let Some(mut found) = found.filter(|found| found.len() == width) else { return (numbered(), None) };
+    let Some(mut found) = found else { return (numbered(), None) };
+    if found.len() != width {
+        return (numbered(), Some(Numbered::Count(found.len())).filter(|_| !found.is_empty()));
+    }
     let twice = (0..width).find(|i| found[..*i].contains(&found[*i])).map(|i| found[i].clone());
     if twice.is_some() || found.iter().any(String::is_empty) {
-        return (numbered(), twice);
+        return (numbered(), twice.map(Numbered::Twice));
     }
     if let Some(end) = found[0].rfind('.').map(|at| found[0][at..].to_owned())
         && found.iter().all(|name| name.len() > end.len() && name.ends_with(&end))
@@ -205,7 +222,12 @@ mod tests {
         for names in [Some(&json!(["a"])), Some(&json!(["a", "a"])), Some(&json!([1, 2])), None] {
             assert_eq!(parts(names, 2).0, ["0", "1"]);
         }
-        assert_eq!(parts(Some(&json!(["a", "a"])), 2).1.as_deref(), Some("a"));
+        assert_eq!(parts(Some(&json!(["a", "a"])), 2).1, Some(Numbered::Twice("a".into())));
+        assert_eq!(parts(Some(&json!(["a", "b"])), 3).1, Some(Numbered::Count(2)));
+        assert_eq!(
+            [parts(Some(&json!([])), 2).1, parts(Some(&json!([1, 2])), 2).1, parts(None, 2).1],
+            [None, None, None]
+        );
         let mixed = json!(["a.pos", "a.vel"]);
         assert_eq!(parts(Some(&mixed), 2).0, ["a.pos", "a.vel"]);
     }
@@ -225,6 +247,7 @@ mod tests {
             chunk: CHUNK,
         };
         assert_eq!(info.data_path(1, 2), Path::new("01/002"));
+        assert_eq!(info.unusual_path(), Some("../../{chunk_index:02d}/{file_index:03d}"));
         let old = Info { layout: Layout::FileEach, data_path: EPISODE_PATH.into(), ..info };
         assert_eq!(old.episode_path(2345), Path::new("data/chunk-002/episode_002345.parquet"));
     }

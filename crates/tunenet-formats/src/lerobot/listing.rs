@@ -2,6 +2,7 @@
 
 use super::DataSet;
 use super::episode::other_length;
+use super::info::{Feature, Numbered};
 use crate::Result;
 use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
 use crate::findings;
@@ -81,17 +82,21 @@ impl DataSet {
         })
     }
 
-    /// That names of its numbers occur twice, and do not stand for them.
+    /// That numbers stand in place of the names that it has.
     fn numbered(&self) -> Option<Note> {
-        let twice = self.info.features.iter().filter(|feature| feature.twice.is_some());
-        let twice: Vec<String> = twice
-            .map(|feature| {
-                format!("`{}` ({})", visible(&feature.column), visible(feature.twice.as_deref().unwrap_or("")))
-            })
-            .collect();
-        let text = format!("names occur twice, and numbers replace them: {}", twice.join(", "));
+        let one = |feature: &Feature| {
+            let why = match feature.numbered.as_ref()? {
+                Numbered::Twice(name) => format!("`{}` occurs twice", visible(name)),
+                Numbered::Count(names) => {
+                    format!("{} for {}", counted(*names, "name"), counted(feature.names.len(), "number"))
+                }
+            };
+            Some(format!("`{}` ({why})", visible(&feature.column)))
+        };
+        let all: Vec<String> = self.info.features.iter().filter_map(one).collect();
+        let text = format!("numbers replace the names of {}", all.join(", "));
         let note = Note::new(findings::COLUMNS_NUMBERED, text, "correct `names` in `meta/info.json`");
-        (!twice.is_empty()).then_some(note)
+        (!all.is_empty()).then_some(note)
     }
 
     /// That not all of the episodes that it says it has are there.

@@ -20,8 +20,9 @@ use std::path::{Path, PathBuf};
 use self::index::{Episode, Index, index, one};
 use self::info::Info;
 use crate::numbered::{EPISODE, of_episode};
-use crate::shown::{counted, list};
+use crate::shown::{counted, list, shortened};
 use crate::{Error, Result};
+use tunenet_core::text::visible;
 
 /// A data set.
 pub(crate) struct DataSet {
@@ -60,6 +61,14 @@ impl DataSet {
             if let Some(pointer) = index.pointers.first() {
                 // Every one of its files is one.
                 crate::refuse_git_lfs_pointer(pointer)?;
+            }
+            if let Some(path) = info.unusual_path() {
+                let path = visible(&shortened(path));
+                let message = format!(
+                    "expected Parquet files at `{path}` (`data_path` in `meta/info.json`), found none with an episode"
+                );
+                let hint = "download the folder `data` of the data set as well, or correct `data_path`";
+                return Err(Error::file(&folder, message, hint));
             }
             let message = "expected Parquet files below `data`, found none with an episode";
             return Err(Error::file(&folder, message, "download the folder `data` of the data set as well"));
