@@ -45,7 +45,7 @@ pub(crate) const WITH_LOGS: &str = "build tunenet with the feature `logs`: `carg
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
-const OTHERS: [(usize, &[u8], &str, &str); 11] = [
+const OTHERS: [(usize, &[u8], &str, &str); 13] = [
     (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
     (0, ZIP, "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
     (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
@@ -56,8 +56,14 @@ const OTHERS: [(usize, &[u8], &str, &str); 11] = [
     (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
     (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
     (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
+    (0, b"ARROW1", "an Arrow or Feather file", AS_PARQUET),
+    (0, b"FEA1", "a Feather file (version 1)", AS_PARQUET),
     (0, b"MATLAB 7.3", "a MATLAB file (version 7.3)", MATLAB_73),
 ];
+
+/// What makes Parquet of a file of Arrow.
+const AS_PARQUET: &str = "write it as Parquet: `python3 -c \"import sys, pyarrow.feather as f, pyarrow.parquet as p; \
+    p.write_table(f.read_table(sys.argv[1]), sys.argv[2])\" OLD.feather NEW.parquet`";
 
 /// How files end that are no texts, and what they are: one without its mark is broken.
 const NAMED: [(&str, &str); 7] = [
@@ -173,6 +179,10 @@ mod tests {
         assert_eq!(refused("a.hdf5", b"\x89HDF\r\n\x1a"), "a.hdf5: expected an HDF5 file, found other bytes");
         assert_eq!(refused("a.parquet", &[0; 99]), "a.parquet: expected a Parquet file, found other bytes");
         assert_eq!(refused("a.npz", b"\x1f\x8b\x08"), "a.npz: expected a recording, found a gzip archive");
+        assert_eq!(
+            refused("a.feather", b"ARROW1\0\0"),
+            "a.feather: expected a recording, found an Arrow or Feather file"
+        );
         assert_eq!(refused("a.db3", b""), "a.db3: expected a bag of ROS 2 in SQLite, found an empty one");
     }
 }

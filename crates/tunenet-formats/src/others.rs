@@ -121,18 +121,24 @@ fn unread(path: &Path) -> Error {
 
 /// That a folder is no recording, and what it lacks.
 pub(crate) fn no_recording(folder: &Path) -> Error {
-    for path in some_files(folder) {
-        if let Err(pointer) = refuse_git_lfs_pointer(&path) {
+    let files = some_files(folder);
+    for path in &files {
+        if let Err(pointer) = refuse_git_lfs_pointer(path) {
             return pointer;
         }
     }
-    if some_files(folder).iter().any(|path| path.extension().is_some_and(|e| e == "parquet")) {
+    let tables = files.iter().any(|path| path.extension().is_some_and(|e| e == "parquet"));
+    if tables && folder.join("data").is_dir() {
         let message = "expected `meta/info.json` next to the folder `data` of a LeRobot data set, found none";
         return Error::file(folder, message, "download the folder `meta` as well, or give one `.parquet` file");
     }
-    let message = "expected a recording, found a folder that holds none (ROS 2 bag, LeRobot data set)";
-    let named = |path: &PathBuf| ENDINGS.iter().any(|ending| path.to_string_lossy().to_lowercase().ends_with(ending));
-    let hint = some_files(folder).iter().find(|path| named(path)).map_or_else(
+    let message = if tables {
+        "expected a recording, found a folder with Parquet files and without the `meta/info.json` of a LeRobot data set"
+    } else {
+        "expected a recording, found a folder that holds none (ROS 2 bag, LeRobot data set)"
+    };
+    let named = |path: &&PathBuf| ENDINGS.iter().any(|ending| path.to_string_lossy().to_lowercase().ends_with(ending));
+    let hint = files.iter().find(named).map_or_else(
         || "name one file in it".to_owned(),
         |path| format!("name one file in it, such as {}", shell_word(&path.to_string_lossy())),
     );
@@ -158,4 +164,20 @@ fn some_files(folder: &Path) -> Vec<PathBuf> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_of_tables_is_no_data_set_with_a_part_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.parquet"), b"PAR1").unwrap();
+        let refused = no_recording(folder.path());
+        assert!(refused.to_string().contains("a folder with Parquet files"), "{refused}");
+        assert!(refused.hint().unwrap().ends_with("a.parquet"), "{refused}");
+        std::fs::create_dir(folder.path().join("data")).unwrap();
+        assert!(no_recording(folder.path()).to_string().contains("next to the folder `data`"));
+    }
 }

@@ -27,7 +27,7 @@ pub fn shell_word(text: &str) -> String {
 /// `a`, `b` and `c` in backquotes, at most `most` of them.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    let shown: Vec<String> = names.iter().take(most).map(|name| format!("`{}`", shortened(name))).collect();
+    let shown: Vec<String> = names.iter().take(most).map(|name| format!("`{}`", visible(&shortened(name)))).collect();
     match names.len().saturating_sub(most) {
         0 if shown.is_empty() => "none".into(),
         0 => shown.join(", "),
@@ -63,6 +63,11 @@ mod tests {
         assert_eq!(shell_word("it's"), "\"it's\"");
         assert_eq!(shell_word(""), "''");
         assert_eq!(shell_word("a\n\0b"), "'a\u{fffd}\u{fffd}b'");
+    }
+
+    #[test]
+    fn names_in_a_list_are_one_visible_line() {
+        assert_eq!(list(["j\u{1b}[31m\nX"], 3), "`j\u{fffd}[31m\u{fffd}X`");
     }
 
     #[test]

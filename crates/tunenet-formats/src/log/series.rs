@@ -18,6 +18,7 @@ use crate::sheet::Sheet;
 use crate::shown::{counted, list};
 use crate::{Error, Result};
 use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
+use tunenet_core::text::visible;
 
 /// Share of messages below which out-of-order stamps and numbers that are not finite are left out; a hiccup of a driver
 /// stays far below, a wrong clock far above.
@@ -359,11 +360,17 @@ impl<'a> Series<'a> {
         notes: Vec<Note>,
         options: &ReadOptions,
     ) -> Result<Recording> {
+        let topic = visible(&self.topic.name);
         let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
         let sheet = Sheet { names, clock, values, ..Sheet::default() };
         let found = sheet.recording(self.path, &columns::reading(self.topic, options));
         let found = found.map_err(|error| with_other_columns(error, &self.other_names))?;
-        let notes = notes.into_iter().chain(found.notes).collect();
+        // Rows of commands and rows of positions are counted apart.
+        let of_topic = |note: Note| {
+            let counted = note.kind == findings::ROWS_EMPTY_CELL;
+            if counted { Note { text: format!("`{topic}`: {}", note.text), ..note } } else { note }
+        };
+        let notes = notes.into_iter().chain(found.notes.into_iter().map(of_topic)).collect();
         Ok(Recording { notes, ..found })
     }
 
