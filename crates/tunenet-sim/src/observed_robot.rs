@@ -80,8 +80,10 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
     let slides: Vec<bool> = names.iter().map(|name| is_slide(&model, name)).collect();
     let damping = least_damping(files, &names)?;
-    let entry =
-        |effect: &RobotEffect| with_damping_left(in_units_of_joints(effect.entry(&names, tuned), &slides), &damping);
+    let entry = |effect: &RobotEffect| {
+        let entry = in_units_of_joints(effect.entry(&names, tuned), &slides);
+        motors::with_limits_reached(with_damping_left(entry, &damping), &motors)
+    };
     let entries: Vec<Effect> = effects.iter().map(entry).collect();
     let layout = Layout {
         command_ranges: motors::command_ranges(&motors, &order, &roles, &parameters),

@@ -1,6 +1,6 @@
-//! What the model states of the motors of a file's joints: where it clips their commands.
+//! What the model states of the motors of a file's joints: where it clips their commands, and whether it limits their torques.
 
-use tunenet_core::simulator::Parameter;
+use tunenet_core::simulator::{Effect, Parameter};
 use tunenet_formats::Result;
 use tunenet_models::Robot;
 
@@ -11,6 +11,10 @@ use crate::robot::numbers::Number;
 use crate::robot::{Drive, StatedMotor, stated_motors};
 use crate::scene::JointScene;
 
+/// The effect that lowers the torque limit.
+const LIMIT: &str = "duty_limit";
+/// The least share of a torque limit that a model states.
+const LEAST_OF_A_STATED_LIMIT: f64 = 0.02;
 /// A torque limit that clips commands as their range does may differ from it by this share.
 const SAME: f64 = 1e-9;
 
@@ -50,9 +54,28 @@ pub(super) fn command_ranges(
     motors.iter().enumerate().map(one).collect()
 }
 
+/// The effect on the torque limit goes far down only in joints whose model states no limit: theirs is the torque of an error that no
+/// joint has, of which any share may be the true one.
+pub(super) fn with_limits_reached(mut entry: Effect, motors: &[Option<StatedMotor>]) -> Effect {
+    if entry.name != LIMIT {
+        return entry;
+    }
+    for (coefficient, plausible) in entry.coefficients.iter_mut().zip(&mut entry.plausible) {
+        let joint = coefficient.number.and_then(|number| number.checked_sub(1));
+        let motor = joint.and_then(|joint| motors.get(joint)?.as_ref());
+        if motor.is_some_and(|motor| !motor.limited) {
+            plausible.0 = coefficient.min;
+        } else {
+            coefficient.min = coefficient.min.max(LEAST_OF_A_STATED_LIMIT);
+        }
+    }
+    entry
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::effects::RobotEffect;
 
     const MODEL: &str = "<mujoco><compiler angle='radian'/><worldbody><body><joint name='a'/><geom size='0.1'/>\
         <body><joint name='b'/><geom size='0.1'/><body><joint name='c'/><geom size='0.1'/></body></body></body></worldbody>\
@@ -65,7 +88,7 @@ mod tests {
         [parameters.a__stall_torque]\nvalue = 1200.0\nmin = 1.0\nmax = 2000.0\n[parameters.c__stall_torque]\nvalue = 3.0\nmin = 0.1\nmax = 9.0\n";
     const LIMITED: &str = "[parameters.b__stall_torque]\nvalue = 3.0\nmin = 0.1\nmax = 9.0\n";
 
-    fn with_motors<T>(text: &str, ask: impl FnOnce(Vec<Option<[f64; 2]>>) -> T) -> T {
+    fn with_motors<T>(text: &str, ask: impl FnOnce(&[Option<StatedMotor>], Vec<Option<[f64; 2]>>) -> T) -> T {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("m.xml"), MODEL).unwrap();
         let file = SimulationFile::parse(&folder.path().join("robot.toml"), text).unwrap();
@@ -75,12 +98,24 @@ mod tests {
         let motors = of_joints(&file, &whole, described.as_ref(), &order).unwrap();
         let parameters = file.parameters().unwrap();
         let ranges = command_ranges(&motors, &order, &super::super::roles(&parameters, &order), &parameters);
-        ask(ranges)
+        ask(&motors, ranges)
     }
 
     #[test]
     fn commands_have_a_range_where_no_torque_limit_clips_them_as_well() {
-        with_motors(FILE, |ranges| assert_eq!(ranges, [Some([-0.2, 0.3]), Some([-3.0, 3.0]), None]));
-        with_motors(&format!("{FILE}{LIMITED}"), |ranges| assert_eq!(ranges, [Some([-0.2, 0.3]), None, None]));
+        with_motors(FILE, |_, ranges| assert_eq!(ranges, [Some([-0.2, 0.3]), Some([-3.0, 3.0]), None]));
+        with_motors(&format!("{FILE}{LIMITED}"), |_, ranges| assert_eq!(ranges, [Some([-0.2, 0.3]), None, None]));
+    }
+
+    #[test]
+    fn a_limit_that_no_model_states_may_be_any_share_of_the_assumed_one() {
+        with_motors(FILE, |motors, _| {
+            let entry = RobotEffect::find(LIMIT).unwrap().entry(&["a", "b", "c"], |_| true);
+            let least = entry.coefficients[0].min;
+            assert!(least < LEAST_OF_A_STATED_LIMIT);
+            let found = with_limits_reached(entry, motors);
+            let of = |place: usize| (found.coefficients[place].min, found.plausible[place].0);
+            assert_eq!((of(0), of(2)), ((least, least), (LEAST_OF_A_STATED_LIMIT, 0.1)));
+        });
     }
 }

@@ -240,6 +240,11 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
             if motor.kd != 0.0 {
                 text.push_str(&line(&format!("kd = {:?}", motor.kd)));
             }
+            if !motor.limited {
+                text.push_str(
+                    "# The model states no torque limit: `stall_torque` is never reached. Write that of the motor where it is known.\n",
+                );
+            }
         }
         None if drive == Drive::Torque => {}
         None => text.push_str("kp = 16.0\ngain_1_rad = 0.166\n"),
@@ -291,7 +296,9 @@ fn value(
     let absent = motor.map(|_| [0.0, 0.0, greatest]);
     let found = match number {
         "stall_torque" => {
-            motor.and_then(|motor| motor.stall_torque).or(effort).map(|value| around(value, value / 10.0, 0.0))
+            // Where the model states no limit, the true one may be any below.
+            let share = if motor.is_none_or(|motor| motor.limited) { 10.0 } else { 1e3 };
+            motor.and_then(|motor| motor.stall_torque).or(effort).map(|value| around(value, value / share, 0.0))
         }
         // It is in the damping of the model.
         "back_emf" => absent,
@@ -394,12 +401,17 @@ mod tests {
         };
         let servo = of("<position joint='a' kp='30' gear='2' ctrlrange='-1 0.5'/>");
         assert_eq!((joint(&servo).command_scale, joint(&servo).command_range), (0.5, None), "{servo}");
+        assert!(servo.contains("Write that of the motor"), "{servo}");
         let clipped = joint(&servo.replacen("# command_range", "command_range", 1));
         assert_eq!(clipped.command_range, Some([-0.5, 0.25]));
         assert_eq!(joint(&of("<motor joint='a' gear='-2'/>")).command_scale, -2.0);
         assert_eq!(joint(&of("<velocity joint='a' kv='3' gear='-1'/>")).command_scale, -1.0);
         let plain = of("<position joint='a' kp='30' forcerange='-3 3'/>");
-        assert!(!plain.contains("command_scale") && !plain.contains("command_range"));
+        assert!(
+            !plain.contains("command_scale")
+                && !plain.contains("command_range")
+                && !plain.contains("Write that of the motor")
+        );
         // What turns commands into nothing, or has no room, is refused.
         for (from, to, expected) in [
             ("command_scale = 0.5", "command_scale = 0.0", "`joints.a.command_scale`: expected a number other than 0"),

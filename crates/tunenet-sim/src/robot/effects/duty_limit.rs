@@ -9,7 +9,8 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     name: "duty_limit",
     phase: Phase::Actuator,
     per_joint: true,
-    coefficients: &[Coefficient::new("fraction", "1", 1.0, (0.02, 1.0), 0.3)],
+    // The least share is that of a limit which no model states: the torque of an error of 0.04 rad instead of 10 rad.
+    coefficients: &[Coefficient::new("fraction", "1", 1.0, (0.004, 1.0), 0.3)],
     plausible: &[(0.1, 1.0)],
     sentence: "the firmware gives at most this fraction of the duty that the file allows",
     mistaken_for: &["firmware_gain", "speed_limit"],
