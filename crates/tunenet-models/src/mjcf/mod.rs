@@ -116,19 +116,13 @@ fn without_bodies(document: &Document) -> Error {
         let own = Some(element).filter(|element| MAKERS.contains(&element.tag.as_str()));
         own.or_else(|| element.children.iter().find_map(maker))
     }
-    match document.root.named("worldbody").find_map(maker) {
-        Some(element) => {
-            let message = format!(
-                "expected bodies in <worldbody>, found none without <{}>, which is not read",
-                shown(&element.tag)
-            );
-            document.error_at(element, message, "write the bodies themselves: MuJoCo saves a model with them")
-        }
-        None => {
-            let message = "expected bodies in <worldbody>, found none";
-            document.error_at(&document.root, message, "is this the model of a robot, or only a part of one?")
-        }
-    }
+    let Some(element) = document.root.named("worldbody").find_map(maker) else {
+        let message = "expected bodies in <worldbody>, found none";
+        return document.error_at(&document.root, message, "is this the model of a robot, or only a part of one?");
+    };
+    let message =
+        format!("expected bodies in <worldbody>, found none without <{}>, which is not read", shown(&element.tag));
+    document.error_at(element, message, "write the bodies themselves: MuJoCo saves a model with them")
 }
 
 /// Bounds, balance and the total mass that `<compiler>` asks for.

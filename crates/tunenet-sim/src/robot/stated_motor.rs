@@ -9,7 +9,7 @@
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
 use tunenet_models::urdf::{Commanded, Commands, Interface};
-use tunenet_models::{Actuator, Joint, Law, Motion, Robot, Target};
+use tunenet_models::{Actuator, Filter, Joint, Law, Motion, Robot, Target};
 
 use super::numbers::Drive;
 use crate::findings;
@@ -40,6 +40,10 @@ pub struct StatedMotor {
     pub command_scale: f64,
     /// Least and greatest command after that, in the unit of the joint; `None` where it is not limited.
     pub command_range: Option<[f64; 2]>,
+    /// Time constant of a first-order filter between command and force, s; 0 without one.
+    pub command_lag_s: f64,
+    /// How late commands act, s.
+    pub command_delay_s: f64,
     /// Viscous friction with the braking by the motor, N·m·s/rad.
     pub damping: f64,
     /// Coulomb friction, N·m.
@@ -95,6 +99,8 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
         limited: true,
         command_scale: 1.0,
         command_range: None,
+        command_lag_s: 0.0,
+        command_delay_s: 0.0,
         damping: joint.damping,
         friction: joint.friction,
         armature: joint.armature,
@@ -108,6 +114,10 @@ fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {
     };
     motor.limited = motor.stall_torque.is_some();
     let Some(law) = motor_law(actuator) else { return motor };
+    motor.command_delay_s = actuator.delay_s;
+    if let Filter::LowPass { time_constant_s } = actuator.filter {
+        motor.command_lag_s = time_constant_s;
+    }
     motor.command_scale = match law {
         MotorLaw::Position { .. } | MotorLaw::Velocity { .. } => gear.recip(),
         MotorLaw::Torque { gain } => gain * gear,

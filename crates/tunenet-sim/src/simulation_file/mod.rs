@@ -21,6 +21,7 @@ mod robot_keys;
 pub(crate) mod robot_schema;
 mod robot_template;
 pub mod schema;
+mod stated_effects;
 mod template;
 
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ use tunenet_core::text::visible;
 use super::domain::Domain;
 use super::robot_schema::{BETWEEN, SAMPLES};
 use super::schema::{Definition, is_name};
+use super::stated_effects::{with_stated, with_tuned_gains};
 use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
 use crate::arm::{Body, Joint, JointKind, Model};
@@ -111,6 +112,11 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     if one_gain {
         text = with_tuned_gains(text, named.len());
     }
+    let of_motors = |of: fn(&StatedMotor) -> f64| -> Vec<f64> {
+        named.iter().map(|joint| start.motor(&joint.name).map_or(0.0, of)).collect()
+    };
+    text = with_stated(text, ("command_lag", "s", "timeconst"), &of_motors(|motor| motor.command_lag_s));
+    text = with_stated(text, ("command_delay", "s", "delay"), &of_motors(|motor| motor.command_delay_s));
     let shown = showing(model, start, observable_zeros);
     let scaled = showing(model, start, observable_scales);
     for joint in &named {
@@ -161,25 +167,6 @@ fn showing<'m>(model: &'m Model, start: &RobotStart, what: fn(&Model, Vector3<f6
 /// The unit of a hinge's number for this joint.
 fn unit_of(joint: &Joint, of_a_hinge: &'static str) -> &'static str {
     if joint.kind == JointKind::Prismatic { unit_of_slide(of_a_hinge) } else { of_a_hinge }
-}
-
-/// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
-/// gain and torque limit where no motor is at its limit: the limit stays as it is stated, and the gain is tuned, which models often
-/// state by orders of magnitude too large.
-fn with_tuned_gains(text: String, joints: usize) -> String {
-    const TABLE: &str = "# [effects.firmware_gain]\n";
-    let Some((before, table)) = text.split_once(TABLE) else { return text };
-    let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
-    let said = line(
-        "# Recordings at one gain show the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
-    );
-    let factors = vec!["1.0"; joints].join(", ");
-    let table = table.replacen("# factor = 1.0", &format!("factor = [{factors}]"), 1).replacen(
-        "# tune = false",
-        "tune = true",
-        1,
-    );
-    format!("{before}[effects.firmware_gain]\n{said}{table}\n\n{after}")
 }
 
 /// An eighth of the period of a log, in whole ms from 1 to 4. At 4 ms, the error of a servo's rollout is 0.5 to 2 mrad, a few steps of an encoder

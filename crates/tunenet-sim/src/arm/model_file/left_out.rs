@@ -104,7 +104,8 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
     let of = |has: fn(&Actuator) -> bool| -> Vec<String> {
         robot.actuators.iter().filter(|one| has(one)).map(|one| format!("`{}`", visible(&one.name))).collect()
     };
-    let filtered = of(|one| one.filter != Filter::None);
+    let filtered = of(|one| matches!(one.filter, Filter::LowPass { .. }));
+    let integrating = of(|one| one.filter == Filter::Integrator);
     let delayed = of(|one| one.delay_s > 0.0);
     let uneven = of(|one| one.force_range.is_some_and(|[lower, upper]| lower + upper != 0.0));
     let own = |joint: &Joint| joint.damping != 0.0 || joint.friction != 0.0 || joint.armature != 0.0;
@@ -126,14 +127,19 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             "set `drive` and the gains under [joints]",
         ),
         (
+            integrating,
+            "actuators that integrate their command (`dyntype`), which the simulation leaves out",
+            "remove that from the model if the robot does not: the written model keeps it",
+        ),
+        (
             filtered,
-            "actuators with a filter (`timeconst`, `dyntype`), which the simulation leaves out",
-            "remove it from the model if the robot has none: the written model keeps it",
+            "actuators with a filter (`timeconst`), which the simulation has as an effect of its file",
+            "write it under [effects.command_lag] where `init` has not",
         ),
         (
             delayed,
-            "actuators with a delay, which the simulation has only as an effect",
-            "write it under [effects.command_delay]",
+            "actuators with a delay, which the simulation has as an effect of its file",
+            "write it under [effects.command_delay] where `init` has not",
         ),
         (
             uneven,
