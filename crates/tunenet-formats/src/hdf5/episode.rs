@@ -4,9 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::Demonstrations;
 use super::actions::not_joints;
+use super::links::links;
 use super::tree::{Array, Columns, arrays_and_others};
+use super::{COPY, Demonstrations, listed};
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording};
@@ -26,6 +27,16 @@ pub(super) fn is_clock(name: &str, options: &ReadOptions) -> bool {
 /// Whether a column is called as times are, without their unit.
 pub(super) fn is_named_after_time(name: &str) -> bool {
     TIMES.contains(&name.rsplit('.').next().unwrap_or_default())
+}
+
+/// What is left out of an episode, with the links below it that are not followed.
+fn with_links(left_out: Option<Note>, links: &[(String, String)]) -> Option<Note> {
+    if links.is_empty() {
+        return left_out;
+    }
+    let before = left_out.map_or_else(String::new, |note| format!("{}; ", note.text));
+    let text = format!("{before}links are not followed: {}", listed(links));
+    Some(Note::new(findings::COLUMNS_IGNORED, text, COPY))
 }
 
 /// The clock of so many rows at this rate, and what it is called.
@@ -66,6 +77,7 @@ impl Demonstrations {
     /// The columns of a group; those that are clocks stand apart.
     pub(super) fn columns(&self, group: &str, is_clock: &dyn Fn(&str) -> bool) -> Result<Columns> {
         let (arrays, left_out) = arrays_and_others(&self.path, &self.file, group)?;
+        let left_out = with_links(left_out, &links(&self.path, self.file.superblock(), group));
         let names: Vec<String> = arrays.iter().flat_map(Array::column_names).filter(|name| !is_clock(name)).collect();
         let (width, rows) = (names.len(), arrays.first().map_or(0, |array| array.rows));
         let mut all = Columns { names, values: vec![0.0; rows * width], rows, clocks: Vec::new(), left_out };

@@ -3,6 +3,7 @@
 //!
 //! | file | subject |
 //! |---|---|
+//! | `links` | links that name a path or another file |
 //! | `tree`, `shape` | groups and arrays of a file; which arrays are columns |
 //! | `episode` | the columns of one episode |
 //! | `actions` | whether actions are what joints are sent to |
@@ -10,6 +11,7 @@
 
 mod actions;
 mod episode;
+mod links;
 mod listing;
 mod shape;
 mod tree;
@@ -18,12 +20,19 @@ use std::path::{Path, PathBuf};
 
 use hdf5_pure::File;
 
+use self::links::links;
 use self::tree::{Array, Found, arrays, episodes, one};
 use crate::shown::{counted, list};
 use crate::{Error, Result};
 
 /// What is tried where a file is broken.
 const AGAIN: &str = "copy the file again, or check it with `h5dump -H`";
+
+/// What is tried where links are not followed.
+const COPY: &str = "copy what a link names: with h5py, `del file['LINK']`, then `file.copy('NAME', 'LINK')`";
+
+/// Most links that a message names.
+const MOST_LINKS: usize = 8;
 
 /// An open file.
 pub(crate) struct Demonstrations {
@@ -123,6 +132,17 @@ impl Demonstrations {
     }
 }
 
+/// Links and what they name, as many as a message takes.
+fn listed(links: &[(String, String)]) -> String {
+    let one =
+        |(name, named): &(String, String)| format!("{} ({})", list([name.as_str()], 1), list([named.as_str()], 1));
+    let mut all: Vec<String> = links.iter().take(MOST_LINKS).map(one).collect();
+    if links.len() > MOST_LINKS {
+        all.push(format!("and {} more", links.len() - MOST_LINKS));
+    }
+    all.join(", ")
+}
+
 /// The file at `path`. A folder, a pipe and a device are refused as everywhere.
 fn opened(path: &Path) -> Result<File> {
     drop(crate::source::open(path)?);
@@ -138,10 +158,11 @@ fn broken(path: &Path, error: &hdf5_pure::Error) -> Error {
 fn broken_in(path: &Path, group: &str, error: &hdf5_pure::Error) -> Error {
     // A link without an address is one to a name.
     if let hdf5_pure::Error::Format(hdf5_pure::FormatError::OffsetOverflow { offset: u64::MAX, .. }) = error {
-        let message =
-            format!("expected arrays and groups in {}, found a soft link, which is not followed", list([group], 1));
-        let hint = "copy what it names: with h5py, `del file['LINK']`, then `file.copy('NAME', 'LINK')`";
-        return Error::file(path, message, hint);
+        let named = File::open_streaming(path).map(|file| links(path, file.superblock(), group)).unwrap_or_default();
+        let named = if named.is_empty() { String::new() } else { format!(": {}", listed(&named)) };
+        let group = list([group], 1);
+        let message = format!("expected arrays and groups in {group}, found a link, which is not followed{named}");
+        return Error::file(path, message, COPY);
     }
     Error::file(path, format!("the HDF5 file is cut off, broken or not closed: {error}"), AGAIN)
 }

@@ -2,7 +2,7 @@
 
 use hdf5_pure::{AttrValue, DatatypeByteOrder, FileBuilder, FloatingPointLayout};
 
-use crate::testing::error_text;
+use crate::testing::{error_text, file};
 use crate::{Contents, ReadOptions, UnitRule, contents, contents_with, episodes, findings, read};
 use tunenet_core::observation::Channel;
 
@@ -199,4 +199,33 @@ fn a_matlab_file_says_how_it_becomes_columns() {
     let (message, hint) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
     assert_eq!(message, "a.mat: expected a recording, found a MATLAB file (version 7.3)");
     assert!(hint.contains("h5py") && hint.contains("numpy.savez") && hint.contains("writetable"), "{hint}");
+}
+
+/// A file of h5py with `observations/qpos`, a soft link in each of its groups and, in the newer form, one into another file.
+#[test]
+fn links_are_named_in_both_forms_of_a_group() {
+    let (_folder, path) = file("a.hdf5", include_bytes!("testdata/links_new.hdf5"));
+    let Contents::Episodes(found) = contents(&path).unwrap() else { panic!("episodes") };
+    let text = "links are not followed: `action` (`/observations/qpos`), `far` (`x.hdf5 /a`), `observations.alias` (`/observations/qpos`)";
+    assert_eq!(found.notes.iter().map(|note| note.text.as_str()).collect::<Vec<_>>(), [text]);
+    let (_folder, path) = file("a.hdf5", include_bytes!("testdata/links_old.hdf5"));
+    let (message, hint) = error_text(&contents(&path).unwrap_err());
+    let wanted = "a.hdf5: expected arrays and groups in `/`, found a link, which is not followed: `action` (`/observations/qpos`), \
+                  `far` (`/x`), `observations.alias` (`/observations/qpos`)";
+    assert!(message == wanted && hint.contains("file.copy"), "{message}");
+}
+
+/// Any byte may be wrong: the search for links ends.
+#[test]
+fn broken_links_end_the_search() {
+    for bytes in [&include_bytes!("testdata/links_new.hdf5")[..], include_bytes!("testdata/links_old.hdf5")] {
+        let (_folder, path) = file("a.hdf5", bytes);
+        let opened = hdf5_pure::File::open_streaming(&path).unwrap();
+        for at in (0..bytes.len().min(2_000)).step_by(3) {
+            let mut broken = bytes.to_vec();
+            broken[at] = 0xff;
+            std::fs::write(&path, broken).unwrap();
+            drop(super::links::links(&path, opened.superblock(), "/"));
+        }
+    }
 }
