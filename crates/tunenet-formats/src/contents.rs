@@ -227,6 +227,7 @@ impl Table {
             self.spans(&times);
             self.described = Some(described);
         } else if options.columns.is_empty()
+            && self.is_of_own_names()
             && let Some(message) = lacks_clock(&sheet.names)
         {
             self.usable = Err(message);

@@ -173,7 +173,7 @@ mod tests {
         assert_eq!((units.len(), units[1].1), (2, Some("rad")));
         assert!(!found.of_known_names && found.arm.is_none());
         let arm = |third: &str| {
-            let arm = sheet(&["time", "q_1", "tau_1", third], |i| vec![f64::from(i) * 0.02, 1.0, 2.0, 3.0]);
+            let arm = sheet(&["time", "q_1", "tau_1", third], |i| vec![f64::from(i) * 0.02, 1.5, 2.0, 3.0]);
             let (found, _) = Described::of(&arm, &[]).unwrap();
             (found.of_known_names, found.arm.unwrap())
         };
