@@ -56,12 +56,11 @@ impl Described {
             _ => return None,
         };
         let ticks: Vec<f64> = sheet.column(clock).filter(|value| value.is_finite()).collect();
-        let (clock_as, scale) = match said {
-            Some(scale) => (None, scale),
-            None => {
-                let (unit, scale) = unit_of(&ticks);
-                (Some(unit.to_owned()), scale)
-            }
+        let (clock_as, scale) = if let Some(scale) = said {
+            (None, scale)
+        } else {
+            let (unit, scale) = unit_of(&ticks);
+            (Some(unit.to_owned()), scale)
         };
         let others = numeric.iter().filter(|column| **column != clock);
         let described =

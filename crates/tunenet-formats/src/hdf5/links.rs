@@ -137,14 +137,13 @@ impl Bytes {
         rest = split(rest, if flags & 0x04 == 0 { 0 } else { 8 } + u64::from(flags >> 4 & 1))?.1;
         let (length, after) = split(rest, 1 << (flags & 3))?;
         let (name, target) = split(after, number(length))?;
-        let target = match kind {
-            0 => Target::Object(number(split(target, self.widths.0)?.0)),
-            _ => {
-                let (length, named) = split(target, 2)?;
-                // Of another file, its name and the path are separated by a zero byte.
-                let parts = text(split(named, number(length))?.0).replace('\0', " ");
-                Target::Named(parts.trim().to_owned())
-            }
+        let target = if kind == 0 {
+            Target::Object(number(split(target, self.widths.0)?.0))
+        } else {
+            let (length, named) = split(target, 2)?;
+            // Of another file, its name and the path are separated by a zero byte.
+            let parts = text(split(named, number(length))?.0).replace('\0', " ");
+            Target::Named(parts.trim().to_owned())
         };
         Some((text(name), target))
     }

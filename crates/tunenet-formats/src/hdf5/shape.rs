@@ -81,8 +81,16 @@ pub(super) fn numbers(data: &Dataset) -> Result<Vec<f64>, Error> {
 
 fn is_number(kind: &DType) -> bool {
     match kind {
-        DType::F32 | DType::F64 | DType::I8 | DType::I16 | DType::I32 | DType::I64 => true,
-        DType::U8 | DType::U16 | DType::U32 | DType::U64 => true,
+        DType::F32
+        | DType::F64
+        | DType::I8
+        | DType::I16
+        | DType::I32
+        | DType::I64
+        | DType::U8
+        | DType::U16
+        | DType::U32
+        | DType::U64 => true,
         DType::Other(kind) => is_half(kind),
         _ => false,
     }

@@ -59,19 +59,14 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
         let hint = format!("give one with `--inputs FILE`, or a `default` under [inputs.{name}]");
         return Err(Error::file(file.path(), message, hint).into());
     }
-    match (given, driven) {
-        (Some(path), Some(driven)) => {
-            let whole = recording.observation.clone();
-            let (first_s, end_s) = (whole.clock()[0], *whole.clock().last().unwrap_or(&0.0));
-            let mut driven = driven.drive(path, recording, 0)?;
-            driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
-            Ok(ended(driven, &whole))
-        }
-        _ => {
-            let whole = recording.observation.clone();
-            Ok(ended(inputs::defaults(file, recording)?, &whole))
-        }
-    }
+    let whole = recording.observation.clone();
+    let (Some(path), Some(driven)) = (given, driven) else {
+        return Ok(ended(inputs::defaults(file, recording)?, &whole));
+    };
+    let (first_s, end_s) = (whole.clock()[0], *whole.clock().last().unwrap_or(&0.0));
+    let mut driven = driven.drive(path, recording, 0)?;
+    driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
+    Ok(ended(driven, &whole))
 }
 
 /// Whether a file says where a channel starts.
