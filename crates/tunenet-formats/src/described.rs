@@ -8,7 +8,7 @@ use crate::csv::guess;
 use crate::csv::guess_joints::guess_joints;
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, Scale, meaning};
-use crate::recording::ReadOptions;
+use crate::recording::{LARGEST, ReadOptions};
 use crate::sheet::Sheet;
 use crate::shown::list;
 use crate::{EpisodeColumn, Result, of_some_joint, read};
@@ -79,13 +79,17 @@ impl Described {
         self.clock_as.clone().map(|ours| (ours, self.clock.clone()))
     }
 
-    /// What is noticed where the first column is read by this clock.
+    /// What is noticed where a column is read by this clock.
     ///
     /// # Errors
     /// As [`read`](crate::read()).
     pub fn noticed(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Note>> {
         const NAME: &str = "number";
-        let first = self.columns.iter().map(|column| (NAME.to_owned(), column.name.clone())).take(1);
+        // A second column of stamps may be too large for a channel.
+        let fits =
+            |column: &&EpisodeColumn| column.range.is_some_and(|(low, high)| low.abs().max(high.abs()) <= LARGEST);
+        let first = self.columns.iter().find(fits).or(self.columns.first());
+        let first = first.map(|column| (NAME.to_owned(), column.name.clone()));
         let columns = options.columns.iter().cloned().chain(self.mapping()).chain(first).collect();
         let channels = vec![Channel::new(NAME, "1")];
         let mut notes = read(path, &ReadOptions { columns, channels, ..options.clone() })?.notes;

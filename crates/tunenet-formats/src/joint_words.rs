@@ -120,6 +120,8 @@ pub fn of_joint(column: &str, topic: Option<&str>, joint: &str) -> Option<OfJoin
 /// of length alone does not: a ball's height has one too.
 #[must_use]
 pub fn of_some_joint(column: &str) -> Option<OfJoint> {
+    // The number of a row's part stands behind the unit: `j_rad.0`.
+    let column = column.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches(['.', '_']);
     let name = words(column);
     let (name, unit) = without_unit(&name);
     let unit = unit.filter(|_| unit_of_name(column).is_some_and(|unit| OF_TURNING.contains(&unit)));
@@ -254,6 +256,7 @@ mod tests {
             ("/cmd/j/position", (Some(Position), true)),
             ("field.position0", (Some(Position), false)),
             ("field.cmd0", (None, true)),
+            ("j_rad.0", (Some(Position), false)),
             ("elbow_goal_rad", (Some(Position), true)),
             ("tau_3", (Some(Effort), false)),
         ] {

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use hdf5_pure::Superblock;
 
+use crate::shown::shortened;
 use crate::source::open;
 
 /// Most objects and blocks that are looked at, and the most bytes of one.
@@ -143,7 +144,7 @@ impl Bytes {
             let (length, named) = split(target, 2)?;
             // Of another file, its name and the path are separated by a zero byte.
             let parts = text(split(named, number(length))?.0).replace('\0', " ");
-            Target::Named(parts.trim().to_owned())
+            Target::Named(format!("`{}`", shortened(parts.trim())))
         };
         Some((text(name), target))
     }
@@ -176,7 +177,7 @@ impl Bytes {
                 let (at, rest) = split(one, offset)?;
                 let (address, rest) = split(rest, offset)?;
                 let target = match number(&rest[..4]) {
-                    2 => Target::Named(name(number(&rest[8..12]))?),
+                    2 => Target::Named(format!("`{}`", shortened(&name(number(&rest[8..12]))?))),
                     _ => Target::Object(number(address)),
                 };
                 found.push((name(number(at))?, target));

@@ -24,6 +24,7 @@ use self::links::links;
 use self::tree::{Array, Found, arrays, episodes, one};
 use crate::shown::{counted, list};
 use crate::{Error, Result};
+use tunenet_core::text::visible;
 
 /// What is tried where a file is broken.
 const AGAIN: &str = "copy the file again, or check it with `h5dump -H`";
@@ -31,8 +32,8 @@ const AGAIN: &str = "copy the file again, or check it with `h5dump -H`";
 /// What is tried where links are not followed.
 const COPY: &str = "copy what a link names: with h5py, `del file['LINK']`, then `file.copy('NAME', 'LINK')`";
 
-/// Most links that a message names.
-const MOST_LINKS: usize = 8;
+/// Most arrays or links that a message names.
+const MOST_LISTED: usize = 8;
 
 /// An open file.
 pub(crate) struct Demonstrations {
@@ -132,15 +133,14 @@ impl Demonstrations {
     }
 }
 
-/// Links and what they name, as many as a message takes.
-fn listed(links: &[(String, String)]) -> String {
-    let one =
-        |(name, named): &(String, String)| format!("{} ({})", list([name.as_str()], 1), list([named.as_str()], 1));
-    let mut all: Vec<String> = links.iter().take(MOST_LINKS).map(one).collect();
-    if links.len() > MOST_LINKS {
-        all.push(format!("and {} more", links.len() - MOST_LINKS));
+/// Arrays or links, each with what is said of it, as many as a message takes.
+fn listed(all: &[(String, String)]) -> String {
+    let one = |(name, said): &(String, String)| format!("{} ({})", list([name.as_str()], 1), visible(said));
+    let mut shown: Vec<String> = all.iter().take(MOST_LISTED).map(one).collect();
+    if all.len() > MOST_LISTED {
+        shown.push(format!("and {} more", all.len() - MOST_LISTED));
     }
-    all.join(", ")
+    shown.join(", ")
 }
 
 /// The file at `path`. A folder, a pipe and a device are refused as everywhere.

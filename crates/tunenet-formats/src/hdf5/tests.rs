@@ -184,7 +184,7 @@ fn arrays_that_are_no_columns_are_named_where_there_are_no_others() {
     file.create_dataset("note").with_u8_data(&[1, 2]).with_shape(&[2]);
     file.write(&path).unwrap();
     let (message, _) = error_text(&contents(&path).unwrap_err());
-    let wanted = "a.hdf5: expected arrays with a row for each instant, found none in 0 groups; arrays are left out: `note (no rows of numbers)`";
+    let wanted = "a.hdf5: expected arrays with a row for each instant, found none in 0 groups; arrays are left out: `note` (no rows of numbers)";
     assert_eq!(message, wanted);
     let large = super::shape::NoColumns::Large(14_000_000_000).to_string();
     assert_eq!(large, "14000000000 numbers, more than 40000000");

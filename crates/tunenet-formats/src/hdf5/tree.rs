@@ -6,7 +6,7 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::shape::{Shape, numbers, shape};
-use super::{broken, broken_in};
+use super::{broken, broken_in, listed};
 use crate::findings;
 use crate::numbered::split;
 use crate::recording::MOST_NUMBERS;
@@ -248,7 +248,7 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, top_name: &str) -> Res
                 Ok(Shape { rows, width, flat }) => {
                     found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data });
                 }
-                Err(why) => no_rows.push(format!("{prefix}{name} ({why})")),
+                Err(why) => no_rows.push((format!("{prefix}{name}"), why.to_string())),
             }
         }
         for name in group.groups().map_err(|e| broken_in(path, &place, &e))? {
@@ -265,10 +265,10 @@ pub(super) fn arrays_and_others(path: &Path, file: &File, top_name: &str) -> Res
     }
     let rows = most_common_rows(found.iter().map(|array| array.rows)).unwrap_or(0);
     let others = found.iter().filter(|array| array.rows != rows);
-    let of_length = others.map(|array| format!("{} ({})", array.name, counted(array.rows, "row")));
-    let others: Vec<String> = of_length.chain(no_rows).collect();
+    let of_length = others.map(|array| (array.name.clone(), counted(array.rows, "row")));
+    let others: Vec<(String, String)> = of_length.chain(no_rows).collect();
     let which = if rows == 0 { "arrays".to_owned() } else { format!("arrays that are no {rows} rows of numbers") };
-    let text = format!("{which} are left out: {}", list(others.iter().map(String::as_str), 8));
+    let text = format!("{which} are left out: {}", listed(&others));
     let note = Note::new(findings::COLUMNS_IGNORED, text, "save them with a row for each instant if they matter");
     found.retain(|array| array.rows == rows);
     found.sort_by(|a, b| a.name.cmp(&b.name));
