@@ -7,7 +7,7 @@ use super::values::Levels;
 use crate::arrays::half;
 use crate::ros::stamps::to_s;
 
-/// Most digits behind the point of a decimal, and most of its bytes: more than a double tells apart.
+/// Most digits behind the point of a decimal, and most of its bytes: more than a double distinguishes.
 const MOST_DIGITS: i32 = 38;
 const MOST_BYTES: usize = 16;
 
