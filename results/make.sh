@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
-#     results/make.sh [paper|shot|diagnose|arm|driven|law|joints|intervals|regions|rollouts|preflight|grow|speed]…
-# Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these three.
+#     results/make.sh [paper|shot|diagnose|arm|driven|law|joints|recorded|intervals|regions|rollouts|preflight|grow|speed]…
+# Each takes minutes; all but `speed`, `rollouts`, `recorded` and `grow` resume where they were stopped. Nothing else should run at the same
+# time as these four. `recorded` needs TUNENET_MEASURED, a folder of recordings that others made.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
@@ -99,6 +100,10 @@ for what in "${@:-paper}"; do
         joints)
             measure joints bench joints --sets 6 --seed "$seed"
             paste joints docs/evidence.md <(body results/joints/goals.md)
+            ;;
+        recorded)
+            measure recorded bench recorded
+            paste recorded docs/evidence.md <(body results/recorded/recorded.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"

@@ -53,6 +53,7 @@ fn pages_show_what_the_other_results_hold() {
         ("docs/evidence.md", "driven", "driven/goals.md"),
         ("docs/evidence.md", "regions", "regions/regions.md"),
         ("docs/evidence.md", "rollouts", "rollouts/rollouts.md"),
+        ("docs/evidence.md", "recorded", "recorded/recorded.md"),
     ] {
         assert_eq!(pasted(page, mark), body(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
     }

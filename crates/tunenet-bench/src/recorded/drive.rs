@@ -91,8 +91,8 @@ mod tests {
     fn the_first_samples_do_not_count() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, value: f64| {
-            let rows: String =
-                (0..30).map(|i| format!("{},{}\n", f64::from(i) / 1e3, if i < 20 { 9.0 } else { value })).collect();
+            let row = |i: u32| format!("{},{}\n", f64::from(i) / 1e3, if i < 20 { 9.0 } else { value });
+            let rows = (0..30).map(row).collect::<Vec<_>>().concat();
             let path = folder.path().join(name);
             std::fs::write(&path, format!("t_s,q_m\n{rows}")).unwrap();
             path

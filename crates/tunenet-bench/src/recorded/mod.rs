@@ -85,7 +85,8 @@ fn own(out: &Path, name: &str) -> Result<PathBuf> {
 
 /// The table. Writing to a string cannot fail, so its results are dropped.
 fn markdown(results: &RecordedResults) -> String {
-    let mut out = String::from("| what | aim | measured | others | |\n|---|---|---:|---|---|\n");
+    let mut out = String::from("# Recordings of real joints\n\n    tunenet bench recorded\n\n");
+    out.push_str("| what | aim | measured | others | |\n|---|---|---:|---|---|\n");
     for Row { what, aim, measured, others, met: is } in &results.rows {
         let _ = writeln!(out, "| {what} | {aim} | {measured} | {others} | {} |", is.map_or("", met));
     }
@@ -103,7 +104,7 @@ mod tests {
             RecordedResults { schema: "s", version: "0", rows: vec![row(None), row(Some(true)), row(Some(false))] };
         let text = markdown(&results);
         let ends: Vec<&str> =
-            text.lines().skip(2).map(|line| line.trim_start_matches("| error | at most 1 | 2 | 3 ")).collect();
+            text.lines().skip(6).map(|line| line.trim_start_matches("| error | at most 1 | 2 | 3 ")).collect();
         assert_eq!(ends, ["|  |", &format!("| {} |", met(true)), &format!("| {} |", met(false))]);
     }
 }

@@ -153,7 +153,8 @@ fn error(measured: &Path, folder: &Path, file: &str) -> Result<f64> {
 /// The names of the held-out files of a manifest.
 fn held_out(manifest: &str) -> Result<Vec<String>> {
     let table: toml_edit::DocumentMut = manifest.parse().context("the manifest of the runs")?;
-    let all = table["observation"].as_array_of_tables().context("expected [[observation]]")?;
+    let all = table.get("observation").and_then(toml_edit::Item::as_array_of_tables);
+    let all = all.context("expected [[observation]]")?;
     let held = all.iter().filter(|one| one.get("held_out").and_then(toml_edit::Item::as_bool) == Some(true));
     held.map(|one| {
         let file = one.get("file").and_then(toml_edit::Item::as_str).context("expected `file`")?;
