@@ -207,9 +207,6 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
         text.push_str(&line(&format!("column = {}", toml_edit::value(&columns.command))));
     }
     text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
-    if let Some(motor) = motor {
-        commands(text, motor, unit);
-    }
     if start.columns.is_none() {
         text.push_str("enable = \"torque_on\"\n");
     }
@@ -219,6 +216,9 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
         text.push_str(&line(&format!(
             "# The model stops this joint at {lower} and {upper} {unit}; the simulation has no stops."
         )));
+    }
+    if let Some(motor) = motor {
+        commands(text, motor, unit);
     }
     match motor.and_then(|motor| Some((motor, motor.gain?))) {
         Some((motor, gain)) => {

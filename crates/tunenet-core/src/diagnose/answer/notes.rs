@@ -142,7 +142,7 @@ fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Ve
     }
 }
 
-/// Says which parameters have an interval as wide as their bounds, or end on one where they would go farther, less those of `model` on which
+/// Says which parameters have an interval as wide as their bounds, or of a mechanism end on one, less those of `model` on which
 /// the recordings do not depend at all: these are noted [already](note_unidentifiable).
 pub(in crate::diagnose) fn note_undetermined(
     context: &Context<'_>,
@@ -159,8 +159,8 @@ pub(in crate::diagnose) fn note_undetermined(
     for one in tuned.iter().filter(|one| !silent(one)) {
         let parameters = context.subjects[one.object].simulator.parameters();
         let determined = one.is_determined(parameters);
-        let open = !determined || context.evidence.discrepancy();
-        if let Some(bound) = parameters.iter().filter(|_| open).find_map(|p| bound_reached(p, one)) {
+        let mechanism = context.evidence.discrepancy();
+        if let Some(bound) = parameters.iter().filter(|_| mechanism).find_map(|p| bound_reached(p, one)) {
             let text = format!("`{}` ends on its bound {bound}", one.name);
             let remedy =
                 "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out";
