@@ -13,10 +13,14 @@ use hdf5_pure::Superblock;
 use crate::shown::shortened;
 use crate::source::open;
 
-/// Most objects and blocks that are looked at, and the most bytes of one.
+/// Most objects and blocks that are looked at, the most bytes of one, and of all together.
 const MOST_OBJECTS: usize = 20_000;
 const MOST_BLOCKS: usize = 1_000;
 const LARGEST: u64 = 1 << 20;
+const MOST_BYTES: u64 = 64 << 20;
+/// How deep groups are looked into, and how many bytes of a name count.
+const DEEPEST: usize = 32;
+const LONGEST: usize = 1024;
 
 /// Numbers of messages in an object header.
 const LINK: u16 = 0x06;
@@ -37,18 +41,20 @@ enum Target {
 pub(super) fn links(path: &Path, superblock: &Superblock, group: &str) -> Vec<(String, String)> {
     let Ok(file) = open(path) else { return Vec::new() };
     let widths = (u64::from(superblock.offset_size), u64::from(superblock.length_size));
-    let mut bytes = Bytes { file, widths, base: superblock.base_address.get() };
+    let mut bytes = Bytes { file, widths, base: superblock.base_address.get(), left: MOST_BYTES };
     let mut top = superblock.root_group_address;
     for part in group.split('/').filter(|part| !part.is_empty()) {
         let inner = bytes.children(top).into_iter().find(|(name, _)| name == part);
         let Some((_, Target::Object(address))) = inner else { return Vec::new() };
         top = address;
     }
-    let (mut found, mut seen, mut groups) = (Vec::new(), BTreeSet::from([top]), vec![(top, String::new())]);
-    while let Some((address, prefix)) = groups.pop().filter(|_| seen.len() < MOST_OBJECTS) {
+    let (mut found, mut seen, mut groups) = (Vec::new(), BTreeSet::from([top]), vec![(top, String::new(), 0)]);
+    while let Some((address, prefix, depth)) = groups.pop().filter(|_| seen.len() < MOST_OBJECTS) {
         for (name, target) in bytes.children(address) {
             match target {
-                Target::Object(address) if seen.insert(address) => groups.push((address, format!("{prefix}{name}."))),
+                Target::Object(address) if depth < DEEPEST && seen.insert(address) => {
+                    groups.push((address, format!("{prefix}{name}."), depth + 1));
+                }
                 Target::Object(_) => {}
                 Target::Named(named) => found.push((format!("{prefix}{name}"), named)),
             }
@@ -65,11 +71,14 @@ struct Bytes {
     widths: (u64, u64),
     /// Where its addresses count from.
     base: u64,
+    /// How many bytes may still be read.
+    left: u64,
 }
 
 impl Bytes {
     /// So many bytes from an address on.
     fn at(&mut self, address: u64, count: u64) -> Option<Vec<u8>> {
+        self.left = self.left.checked_sub(count)?;
         let mut bytes = Vec::new();
         self.file.seek(SeekFrom::Start(self.base.checked_add(address)?)).ok()?;
         (&mut self.file).take(count.min(LARGEST)).read_to_end(&mut bytes).ok()?;
@@ -89,7 +98,7 @@ impl Bytes {
         found
     }
 
-    /// The messages of an object header, with those of its continuations.
+    /// The messages about links of an object header, with those of its continuations.
     fn messages(&mut self, address: u64) -> Option<Vec<(u16, Vec<u8>)>> {
         let second = self.at(address, 4)? == b"OHDR";
         let (begin, size, ordered) = if second {
@@ -112,7 +121,9 @@ impl Bytes {
                     let inner = || Some((address.checked_add(4)?, length.checked_sub(8)?));
                     blocks.push(if second { inner()? } else { (address, length) });
                 }
-                found.push((kind, body.to_vec()));
+                if matches!(kind, LINK | SYMBOL_TABLE) {
+                    found.push((kind, body.to_vec()));
+                }
                 rest = after;
             }
         }
@@ -162,7 +173,7 @@ impl Bytes {
             names.get(usize::try_from(at).ok()?..).map(|rest| text(rest.split(|b| *b == 0).next().unwrap_or(rest)))
         };
         let (mut found, mut nodes, mut looked_at) = (Vec::new(), vec![number(tree)], 0);
-        while let Some(node) = nodes.pop().filter(|_| looked_at < MOST_BLOCKS) {
+        while let Some(node) = nodes.pop().filter(|_| looked_at < MOST_BLOCKS && found.len() < MOST_OBJECTS) {
             looked_at += 1;
             let head = self.at(node, 8)?;
             let count = number(&head[6..8]);
@@ -208,6 +219,7 @@ fn number(bytes: &[u8]) -> u64 {
     bytes.iter().take(8).rev().fold(0, |value, byte| value << 8 | u64::from(*byte))
 }
 
+/// A name, or its beginning.
 fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+    String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST)]).into_owned()
 }
