@@ -4,6 +4,9 @@ use serde::Serialize;
 
 use crate::{Error, Result};
 
+/// A value within this share of the range from a bound lies at it.
+const NEAR_BOUND: f64 = 1e-6;
+
 /// A number of a simulator, with its bounds and its unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
@@ -48,5 +51,22 @@ impl Parameter {
     #[must_use]
     pub fn span(&self) -> f64 {
         self.max - self.min
+    }
+
+    /// The bound on which a value lies, other than 0, which is an end by nature.
+    pub(crate) fn bound_reached(&self, value: f64) -> Option<f64> {
+        let near = |bound: &f64| *bound != 0.0 && (value - bound).abs() <= NEAR_BOUND * self.span();
+        [self.min, self.max].into_iter().find(near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_on_a_bound_other_than_0_is_noticed() {
+        let parameter = Parameter::new("a", "1", 1.0, 0.0, 2.0).unwrap();
+        assert_eq!([2.0, 0.0, 1.99].map(|value| parameter.bound_reached(value)), [Some(2.0), None, None]);
     }
 }

@@ -13,10 +13,7 @@ use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::findings;
 use crate::observation::{Note, three_digits, with_decimals};
-use crate::simulator::Parameter;
 
-/// A value within this share of its range from a bound lies at it.
-const NEAR_BOUND: f64 = 1e-6;
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 
@@ -160,7 +157,8 @@ pub(in crate::diagnose) fn note_undetermined(
         let parameters = context.subjects[one.object].simulator.parameters();
         let determined = one.is_determined(parameters);
         let mechanism = context.evidence.discrepancy();
-        if let Some(bound) = parameters.iter().filter(|_| mechanism).find_map(|p| bound_reached(p, one)) {
+        let own = parameters.iter().find(|parameter| mechanism && parameter.name == one.name);
+        if let Some(bound) = own.and_then(|parameter| parameter.bound_reached(one.value)) {
             let text = format!("`{}` ends on its bound {bound}", one.name);
             let remedy =
                 "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out";
@@ -176,13 +174,6 @@ pub(in crate::diagnose) fn note_undetermined(
             notes.push(Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy));
         }
     }
-}
-
-/// The bound of its parameter on which a value ends, other than 0, which is an end by nature.
-fn bound_reached(parameter: &Parameter, one: &Tuned) -> Option<f64> {
-    let near = |bound: &f64| *bound != 0.0 && (one.value - bound).abs() <= NEAR_BOUND * parameter.span();
-    Some(parameter).filter(|p| p.name == one.name && p.span() > 0.0)?;
-    [parameter.min, parameter.max].into_iter().find(near)
 }
 
 /// Whether another value of the shared parameter of this column, within its bounds, would change anything that counts.
@@ -265,25 +256,7 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
 
 #[cfg(test)]
 mod tests {
-    use super::{Parameter, Tuned, bound_reached, excluded};
-
-    #[test]
-    fn a_value_on_a_bound_other_than_0_is_noticed() {
-        let parameter = Parameter::new("a", "1", 1.0, 0.0, 2.0).unwrap();
-        let tuned = |name: &str, value: f64| Tuned {
-            object: 0,
-            name: name.into(),
-            unit: "1".into(),
-            given: 1.0,
-            before: 1.0,
-            value,
-            interval95: (0.0, 2.0),
-        };
-        assert_eq!(bound_reached(&parameter, &tuned("a", 2.0)), Some(2.0));
-        assert_eq!(bound_reached(&parameter, &tuned("a", 0.0)), None);
-        assert_eq!(bound_reached(&parameter, &tuned("a", 1.99)), None);
-        assert_eq!(bound_reached(&parameter, &tuned("b", 2.0)), None);
-    }
+    use super::excluded;
 
     #[test]
     fn what_does_not_count_is_said_with_its_share() {

@@ -24,8 +24,6 @@ const ADMITTED: f64 = 0.96;
 /// leaves less than this share of the same.
 const OPEN: f64 = 5.0;
 const BETTER: f64 = 0.9;
-/// A value within this share of its range from a bound lies at it.
-const NEAR_BOUND: f64 = 1e-6;
 /// Candidates that are fitted in the place of an effect that others follow.
 const RIVALS: usize = 3;
 /// Those farther behind than so many margins are not.
@@ -67,11 +65,7 @@ pub(in crate::diagnose) fn search_gated<'a>(
 /// Whether a shared parameter ends at a bound other than 0, as in many a local minimum.
 fn at_bound(best: &Hypothesis) -> bool {
     let mut pairs = best.structure.shared.iter().zip(&best.fit.point.parameters);
-    pairs.any(|(shared, value)| {
-        let (low, high) = (shared.parameter.min, shared.parameter.max);
-        let near = |bound: f64| bound != 0.0 && (value - bound).abs() <= NEAR_BOUND * (high - low);
-        near(low) || near(high)
-    })
+    pairs.any(|(shared, value)| shared.parameter.bound_reached(*value).is_some())
 }
 
 impl Gated<'_> {

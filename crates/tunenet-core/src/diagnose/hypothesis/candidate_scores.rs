@@ -330,8 +330,8 @@ fn fit_best<'s, 'a: 's>(
         let limit = best.map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
         // Slopes at absence may differ where the effects as they are do not: what is mistaken for the best of a mechanism is fitted too.
         let mistaken = |b: usize, i: usize| {
-            let name = |i: usize| &context.catalogue[candidates[i].entry].of[0];
-            context.evidence.discrepancy() && name(b).mistaken_for.contains(&name(i).name)
+            let effect = |i: usize| &context.catalogue[candidates[i].entry].of[0];
+            context.evidence.discrepancy() && effect(b).mistaken_for.contains(&effect(i).name)
         };
         let same = |b: usize, i: usize| canonical_correlation(&candidates[b].span, &candidates[i].span) > ALIKE;
         let alike = |i: usize| best.is_some_and(|b| done[b] && (same(b, i) || mistaken(b, i)));
