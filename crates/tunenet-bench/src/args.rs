@@ -411,7 +411,7 @@ pub struct BenchRecorded {
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER")]
     pub measured: Option<PathBuf>,
-    /// Folder for results, and for what the tool was given and found
+    /// Folder for results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-recorded")]
     pub out: PathBuf,

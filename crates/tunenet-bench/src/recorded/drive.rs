@@ -4,11 +4,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use super::Row;
 use super::table::{column, paired};
+use super::{Row, asked};
 use crate::goals::{DRIVE_NAME, DRIVE_RMS_MM};
 use crate::process;
-use crate::tool::{Said, answered};
 
 /// A carriage on a rail; its mass is tuned as that of the rotor.
 const URDF: &str = r#"<robot name="drive">
@@ -44,10 +43,7 @@ pub fn rows(measured: &Path, folder: &Path) -> Result<Vec<Row>> {
     let recording = measured.join("train.csv");
     let seen = recording.display().to_string();
     let (from, to, out) = (path("drive.toml"), path("found.toml"), path("open.csv"));
-    let answer = match answered(&["diagnose", "--json", "--quiet", "--sim", &from, &seen, "--out", &to], folder)? {
-        Said::Answered(answer) => answer,
-        Said::Failed(why) => anyhow::bail!("diagnose {from}: {why}"),
-    };
+    let answer = asked(&["diagnose", "--json", "--quiet", "--sim", &from, &seen, "--out", &to], folder)?;
     let count = column(&recording, "t_s")?.len();
     let frames = format!("record.frames={count}");
     let words = ["--set", "record.rate_hz=1000", "--set", &frames, "--inputs", &seen, "--out", &out];

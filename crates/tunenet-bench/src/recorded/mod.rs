@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use serde_json::Value;
 use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer as view;
 use tunenet_cli::view::json::print_json;
@@ -18,6 +19,7 @@ use tunenet_cli::view::text::stage;
 use crate::args::{BenchRecorded, RecordedRow};
 use crate::goals::met;
 use crate::output::{file_of, write_all};
+use crate::tool::{Said, answered};
 
 /// What is measured, held against its goal.
 #[derive(Debug, Clone, Serialize)]
@@ -45,11 +47,11 @@ pub fn run(options: &BenchRecorded) -> Result<Exit> {
     let wanted = |row: RecordedRow| options.only.is_empty() || options.only.contains(&row);
     if wanted(RecordedRow::Servo) {
         stage("diagnose", "the servo");
-        rows.extend(servo::rows(&measured.join("servo-sts3215"), &own(&options.out, "servo")?)?);
+        rows.extend(servo::rows(&measured.join("servo-sts3215"), tempfile::tempdir()?.path())?);
     }
     if wanted(RecordedRow::Drive) {
         stage("diagnose", "the drive");
-        rows.extend(drive::rows(&measured.join("emps"), &own(&options.out, "drive")?)?);
+        rows.extend(drive::rows(&measured.join("emps"), tempfile::tempdir()?.path())?);
     }
     let results = RecordedResults { schema: "tunenet.bench.recorded/1", version: env!("CARGO_PKG_VERSION"), rows };
     let (text, value) = (markdown(&results), serde_json::to_value(&results)?);
@@ -73,14 +75,12 @@ fn folder(options: &BenchRecorded) -> Result<PathBuf> {
     std::fs::canonicalize(&folder).with_context(|| format!("opening {}", folder.display()))
 }
 
-/// An empty folder within `out`.
-fn own(out: &Path, name: &str) -> Result<PathBuf> {
-    let folder = out.join(name);
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).with_context(|| format!("emptying {}", folder.display()))?;
+/// The answer of `tunenet` to these words.
+fn asked(words: &[&str], folder: &Path) -> Result<Value> {
+    match answered(words, folder)? {
+        Said::Answered(answer) => Ok(answer),
+        Said::Failed(why) => bail!("tunenet {}: {why}", words.join(" ")),
     }
-    std::fs::create_dir(&folder).with_context(|| format!("creating {}", folder.display()))?;
-    Ok(folder)
 }
 
 /// The table. Writing to a string cannot fail, so its results are dropped.

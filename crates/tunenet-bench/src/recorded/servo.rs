@@ -7,11 +7,10 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 use tunenet_core::statistics::{mean, median};
 
-use super::Row;
 use super::table::{column, paired};
+use super::{Row, asked};
 use crate::goals::{SERVO_MAE_ALL_RAD, SERVO_MAE_RAD, SERVO_NAMES, SERVO_ROLLOUTS, SERVO_S};
 use crate::process;
-use crate::tool::{Said, answered};
 
 /// The simulation file: a motor of which nothing is known but its kind.
 const FILE: &str = r#"kind = "robot"
@@ -124,11 +123,7 @@ fn prepare(measured: &Path, folder: &Path) -> Result<()> {
 fn diagnosed(folder: &Path, from: &str, to: &str) -> Result<Value> {
     let path = |name: &str| folder.join(name).display().to_string();
     let (from, to, runs) = (path(from), path(to), path("runs.toml"));
-    let words = ["diagnose", "--json", "--quiet", "--sim", &from, "--manifest", &runs, "--out", &to];
-    match answered(&words, folder)? {
-        Said::Answered(answer) => Ok(answer),
-        Said::Failed(why) => anyhow::bail!("diagnose {from}: {why}"),
-    }
+    asked(&["diagnose", "--json", "--quiet", "--sim", &from, "--manifest", &runs, "--out", &to], folder)
 }
 
 /// The mean over the held-out runs of the mean absolute error of a simulation file, rad.
