@@ -129,17 +129,8 @@ fn number(bytes: &[u8], item: Item) -> f64 {
 }
 
 /// A number of half precision, by its bits.
-///
-/// Source: IEEE 754-2008, binary16: a sign, 5 bits of exponent, 10 of the fraction.
 pub(crate) fn half(bits: u16) -> f64 {
-    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
-    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff) / 1024.0);
-    sign * match exponent {
-        0 => fraction * 2f64.powi(-14),
-        0x1f if fraction == 0.0 => f64::INFINITY,
-        0x1f => f64::NAN,
-        _ => (1.0 + fraction) * 2f64.powi(exponent - 15),
-    }
+    half::f16::from_bits(bits).to_f64()
 }
 
 #[cfg(test)]
