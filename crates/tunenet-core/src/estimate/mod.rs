@@ -18,6 +18,7 @@
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `variance_components` | restricted likelihood of two variance components |
 //! | `unread_states` | local observability of initial states |
+//! | `separable_blocks` | recombination of starts of a partially separable misfit |
 //! | `adequacy` | residual against noise |
 //! | `projection`, `canonical_correlation` | Frisch–Waugh projection; correlation of two spans |
 //! | `information_criterion` | Bayesian information criterion |
@@ -44,6 +45,7 @@ mod profile;
 pub(crate) mod projection;
 mod region;
 mod rollout_log;
+pub(crate) mod separable_blocks;
 mod unread_states;
 mod variance_components;
 

@@ -3,10 +3,12 @@
 
 use super::scale::{BRIEF, FINISH};
 use crate::Result;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point, spread};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, Which, spread};
 use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
+use crate::estimate::separable_blocks::{Blocks, Place};
 
 /// Points within the bounds that are looked at.
 const LOOKED_AT: u32 = 40;
@@ -37,20 +39,31 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
         let share = |number, prime| radical_inverse(number, prime).powi(2);
         point(each.map(|(p, prime)| p.min + share(number, prime) * p.span()).collect())
     };
-    let mut looked: Vec<(f64, Point)> = (1..=LOOKED_AT)
+    let width = context.recordings().first().map_or(1, PreparedRecording::width);
+    let mut looked: Vec<(f64, Place)> = (1..=LOOKED_AT)
         .map(nth_start)
-        .filter_map(|start| Some((spread(&joint.residuals(&start, 1.0).ok()?), start)))
+        .filter_map(|start| {
+            let left = joint.residuals(&start, 1.0).ok()?;
+            Some((spread(&left), Place::new(start, &left, width)))
+        })
         .collect();
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let starts = std::iter::once(given).chain(looked.into_iter().take(STARTS).map(|(_, start)| start));
+    let blocks = blocks(&joint, &given, width);
+    let places: Vec<Place> = looked.into_iter().map(|(_, place)| place).collect();
+    let joined = blocks.as_ref().and_then(|blocks| blocks.recombined(&places));
+    let across = places.into_iter().take(STARTS).map(|place| place.point);
     let mut refused = None;
     let mut brief: Vec<Outcome> = Vec::new();
-    for start in starts {
+    for start in std::iter::once(given).chain(joined).chain(across) {
         match joint.fit(start, BRIEF) {
             Ok(found) => brief.push(found),
             Err(error) => refused = Some(error),
         }
     }
+    let found = |fit: &Outcome| Place::new(fit.point.clone(), &fit.residuals, width);
+    let places: Vec<Place> = brief.iter().map(found).collect();
+    let joined = blocks.as_ref().and_then(|blocks| blocks.recombined(&places));
+    brief.extend(joined.and_then(|start| joint.fit(start, BRIEF).ok()));
     brief.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let finished = brief.into_iter().take(FINISHED).filter_map(|found| joint.fit(found.point, FINISH).ok());
     let best = finished.min_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -62,6 +75,13 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
             message: "no start within the bounds could be simulated".into(),
         }),
     }
+}
+
+/// Which channels share parameters, by derivatives at `point`, where several channels are measured.
+fn blocks(joint: &Joint, point: &Point, width: usize) -> Option<Blocks> {
+    let left = (width > 1).then(|| joint.residuals(point, 1.0).ok()).flatten()?;
+    let columns = joint.columns(point, &left, Which { nuisances: false, ..Which::ALL });
+    Some(Blocks::new(&columns, width, joint.structure.shared.len()))
 }
 
 /// A better fit of the simulation as it is than `base`, from where effects of `found` lead to, with these taken away, or from where the
