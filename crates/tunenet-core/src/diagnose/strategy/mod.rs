@@ -235,16 +235,14 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     }
 }
 
-/// The attempt without its effects, where held-out recordings are no better with them and what is left without them is noise, or hardly
-/// better and it is less than a step of the sensor.
+/// The attempt without its effects, where held-out recordings are no better with them; where they are hardly better, too, if what is left
+/// is less than a step of the sensor.
 fn borne_out(attempt: Attempt) -> Result<Attempt> {
     let (Some(best), Some(before)) = (&attempt.found.best, &attempt.before) else { return Ok(attempt) };
-    let after = validate(&attempt.context, best)?;
-    let base = &attempt.found.base;
-    let below = is_below_steps(&attempt.context, base);
+    let Some(after) = validate(&attempt.context, best)? else { return Ok(attempt) };
+    let below = is_below_steps(&attempt.context, &attempt.found.base);
     let least = if below { RESOLVED } else { 1.0 };
-    let worse = after.is_some_and(|after| after.rmse >= least * before.rmse);
-    if !worse || !(below || residual_diagnostics(&attempt.context, base).passed()) {
+    if after.rmse < least * before.rmse {
         return Ok(attempt);
     }
     let found = Selection { best: None, selected: Vec::new(), ..attempt.found };
