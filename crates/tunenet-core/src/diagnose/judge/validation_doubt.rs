@@ -38,6 +38,10 @@ const FEIGNED: f64 = 1.15;
 /// leaves 5 to 9 times, a lag of the commands 17 and more, and the nearest effect forecasts as much, in other setups as well.
 const REMAINS: f64 = 3.0;
 
+/// Of the same: effects that leave structure explain at least this share of the mean square that held-out recordings have beyond noise.
+/// Friction that gives way, as a simulator smooths it, is in no catalogue, and the nearest effect explains a third of it.
+const EXPLAINED: f64 = 0.5;
+
 /// So many effects or more are named together only by at least this many recordings for each.
 const MANY_EFFECTS: usize = 3;
 const RECORDINGS_FOR_EACH: usize = 2;
@@ -117,7 +121,7 @@ impl fmt::Display for Doubt {
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
             Self::RandomAndWeak => "chance at contacts can imitate much, and explains little here",
             Self::ManyEffects => "so many effects can imitate another one in so few recordings",
-            Self::Weak(effect) => return write!(f, "{effect} explains little compared with the rest"),
+            Self::Weak(effect) => return write!(f, "without {effect} the fit is hardly worse"),
             Self::Feigned(effect, values) => {
                 return write!(f, "more than noise remains, and {values} can look like {effect}");
             }
@@ -167,6 +171,9 @@ pub(in crate::diagnose) fn validation_doubt(
     if context.evidence.discrepancy() {
         let one_setup = context.evidence.discrepancy_in_one_setup();
         if fitted > REMAINS * floor {
+            return Some(Doubt::DiscrepancyRemains);
+        }
+        if practical && explains_less_than_half((before, after), floor) {
             return Some(Doubt::DiscrepancyRemains);
         }
         let imitated = feigned().filter(|_| one_setup);
@@ -235,6 +242,13 @@ fn unphysical_alone(found: &Selection, best: &Hypothesis) -> Option<OutOfRange> 
 fn other_setups((before, after): (Option<&HeldOut>, Option<&HeldOut>), fitted: f64) -> Option<Doubt> {
     let far = before.is_some() && after?.rmse > OTHER_SETUPS_OVER_FITTED * fitted;
     far.then_some(Doubt::HeldOutUnexplained)
+}
+
+/// Of the same: whether most of what held-out recordings have beyond the noise `floor` (root mean square) is left with the effects.
+fn explains_less_than_half((before, after): (Option<&HeldOut>, Option<&HeldOut>), floor: f64) -> bool {
+    let (Some(before), Some(after)) = (before, after) else { return false };
+    let beyond = |held_out: &HeldOut| held_out.rmse.powi(2) - floor.powi(2);
+    beyond(after) > (1.0 - EXPLAINED) * beyond(before)
 }
 
 /// Of the same: effects are not named alone unless held-out recordings gain by them, and by each of several, what distinguishes two
@@ -371,6 +385,19 @@ mod tests {
             assert_eq!(other_setups((Some(&before), Some(&after(1.4))), 1.0), None);
             assert_eq!(other_setups((Some(&before), Some(&after(1.6))), 1.0), Some(Doubt::HeldOutUnexplained));
             assert_eq!(other_setups((None, None), 1.0), None);
+        });
+    }
+
+    #[test]
+    fn an_effect_explains_half_of_what_is_beyond_noise() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let before = validate(context, &base).unwrap().unwrap();
+            let at = |rmse: f64| HeldOut { rmse, ..before.clone() };
+            let less = |before: f64, after: f64| explains_less_than_half((Some(&at(before)), Some(&at(after))), 3.0);
+            // Of 16 beyond 9, after the effect 7.
+            assert!(!less(5.0, 4.0) && less(5.0, 4.2) && !less(5.0, 2.0));
+            assert!(!explains_less_than_half((None, None), 3.0));
         });
     }
 
