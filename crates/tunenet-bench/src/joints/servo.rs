@@ -82,6 +82,9 @@ pub struct Secrets {
     pub sag_ohm: f64,
     pub release_braking_nms_rad: f64,
     pub load_offset_m: f64,
+    /// A mass that the file does not state, and its distance from the joint.
+    pub extra_kg: f64,
+    pub extra_m: f64,
     pub latch_s: f64,
     pub spring_nm_rad: f64,
     /// Of the load, sideways and along the link, m.
@@ -110,6 +113,8 @@ impl Secrets {
         sag_ohm: 0.0,
         release_braking_nms_rad: 0.0,
         load_offset_m: 0.0,
+        extra_kg: 0.0,
+        extra_m: 0.1,
         latch_s: 0.0,
         spring_nm_rad: 0.0,
         com_m: [0.0; 2],
@@ -140,7 +145,7 @@ const fn secret(name: &'static str, greatest: f64, act: fn(&mut Secrets, f64, Sh
 }
 
 /// Every effect of the catalogue that one joint shows and that its parameters do not hold already.
-pub const SECRETS: [Secret; 22] = [
+pub const SECRETS: [Secret; 23] = [
     secret("speed_limit", 1.0, |s, size, _| s.inverse_speed_s_rad = size),
     secret("command_delay", 0.15, |s, size, _| s.command_delay_s = size),
     secret("command_lag", 0.15, |s, size, _| s.command_lag_s = size),
@@ -162,6 +167,7 @@ pub const SECRETS: [Secret; 22] = [
     secret("voltage_sag", 10.0, |s, size, _| s.sag_ohm = size),
     secret("release_braking", 1.0, |s, size, _| s.release_braking_nms_rad = size),
     secret("load_offset", 0.045, |s, size, shape| s.load_offset_m = shape.sign * size),
+    secret("extra_load", 1.0, |s, size, shape| (s.extra_kg, s.extra_m) = (size, 0.05 + 0.15 * shape.share)),
     secret("position_latch", 0.045, |s, size, _| s.latch_s = size),
     secret("joint_spring", 3.0, |s, size, shape| s.spring_nm_rad = shape.sign * size),
     secret("payload_com_offset", 0.045, |s, size, shape| {
@@ -228,8 +234,8 @@ mod tests {
                 secrets
             };
             assert_ne!(with(one.greatest), Secrets::NONE, "{}", one.name);
-            let Secrets { stribeck_rad_s, .. } = Secrets::NONE;
-            assert_eq!(Secrets { stribeck_rad_s, ..with(0.0) }, Secrets::NONE, "{}", one.name);
+            let Secrets { stribeck_rad_s, extra_m, .. } = Secrets::NONE;
+            assert_eq!(Secrets { stribeck_rad_s, extra_m, ..with(0.0) }, Secrets::NONE, "{}", one.name);
         }
     }
 

@@ -55,6 +55,8 @@ pub(crate) struct Imperfect {
     pub drives: Vec<DriveEffects>,
     /// How much farther than stated loads are from the origin of their link, m.
     pub load_offset_m: f64,
+    /// A mass at the centre of mass of the last link that no file states.
+    pub extra_load_kg: f64,
     /// How late positions are read, s.
     pub reading_delay_s: f64,
     /// Period of the clock that latches readings, s.
@@ -68,6 +70,7 @@ impl Imperfect {
             arm: Imperfections::none(joints),
             drives: vec![DriveEffects::NONE; joints],
             load_offset_m: 0.0,
+            extra_load_kg: 0.0,
             reading_delay_s: 0.0,
             latch_s: 0.0,
         }

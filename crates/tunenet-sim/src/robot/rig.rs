@@ -55,12 +55,15 @@ impl Rig {
     pub fn world(&self, imperfect: &Imperfect) -> (Cow<'_, Model>, Vector3<f64>) {
         let gravity = self.gravity(imperfect);
         let moved = imperfect.load_offset_m != 0.0 || imperfect.arm.com_offset_m != [0.0; 3];
+        let mut world = Cow::Borrowed(&self.loaded);
         if moved {
             let offset = Vector3::from(imperfect.arm.com_offset_m);
-            (Cow::Owned(with_masses(&self.bare, &self.masses, imperfect.load_offset_m, offset)), gravity)
-        } else {
-            (Cow::Borrowed(&self.loaded), gravity)
+            world = Cow::Owned(with_masses(&self.bare, &self.masses, imperfect.load_offset_m, offset));
         }
+        if imperfect.extra_load_kg != 0.0 {
+            world = Cow::Owned(with_extra(world.into_owned(), imperfect.extra_load_kg));
+        }
+        (world, gravity)
     }
 
     /// The load of its only joint, where it has one that moves one body.
@@ -85,6 +88,14 @@ fn with_masses(bare: &Model, masses: &[Mass], farther_m: f64, offset_m: Vector3<
         let out = mass.position_m.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * farther_m;
         let load = Inertia::cube(mass.mass_kg, mass.position_m + out + offset_m, 0.0);
         model = model.loaded(&mass.link, &load);
+    }
+    model
+}
+
+/// The chain with a mass at the centre of mass of its last link.
+fn with_extra(mut model: Model, mass_kg: f64) -> Model {
+    if let Some(last) = model.bodies.last_mut() {
+        last.inertia = last.inertia.with(&Inertia::cube(mass_kg, last.inertia.com_m, 0.0));
     }
     model
 }

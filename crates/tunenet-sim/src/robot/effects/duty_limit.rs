@@ -13,7 +13,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("fraction", "1", 1.0, (0.004, 1.0), 0.3)],
     plausible: &[(0.1, 1.0)],
     sentence: "the firmware gives at most this fraction of the duty that the file allows",
-    mistaken_for: &["firmware_gain", "speed_limit"],
+    mistaken_for: &["firmware_gain", "speed_limit", "extra_load"],
     restates: Some("duty_max"),
     repeated_by: &[],
     // A · clip(g c kp e, 1) is clip(c kp e, d) times A/d with d = 1/g.

@@ -11,7 +11,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("kd", "s/rad", 0.0, (-10.0, 10.0), 0.02)],
     plausible: &[(-2.0, 2.0)],
     sentence: "the firmware takes duty away in proportion to the speed",
-    mistaken_for: &["firmware_gain", "command_delay", "load_friction"],
+    mistaken_for: &["firmware_gain", "command_delay", "load_friction", "extra_load"],
     restates: Some("kd"),
     repeated_by: &[],
     twins: &[],

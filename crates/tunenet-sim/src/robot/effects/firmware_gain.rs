@@ -12,7 +12,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     coefficients: &[Coefficient::new("factor", "1", 1.0, (0.001, 20.0), 0.3)],
     plausible: &[(0.2, 5.0)],
     sentence: "the gain of the firmware is this many times what the file says",
-    mistaken_for: &["duty_limit", "firmware_damping", "load_friction"],
+    mistaken_for: &["duty_limit", "firmware_damping", "load_friction", "extra_load"],
     restates: Some("gain_1_rad"),
     repeated_by: &[],
     // A · clip(g c kp e, 1) is clip(c kp e, d) times A/d with d = 1/g.

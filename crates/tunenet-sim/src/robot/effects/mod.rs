@@ -11,6 +11,7 @@ mod command_offset;
 mod dead_band;
 mod directional_friction;
 mod duty_limit;
+mod extra_load;
 mod firmware_damping;
 mod firmware_gain;
 mod joint_elasticity;
@@ -93,13 +94,18 @@ const OF_ARMS: [(&str, &[Number]); 7] = [
 ];
 
 /// What looks like an effect in one setup, and what does: a tilt scales the weight of a joint by its cosine, as a wrong mass does, and the
-/// mean over the phases of a latch is a short lag.
-const FEIGNED_BY: [(&str, &str); 3] =
-    [("base_tilt", WRONG_MASSES), ("payload_com_offset", WRONG_MASSES), ("position_latch", OTHER_TIMING)];
+/// mean over the phases of a latch is a short lag. A motor of half the strength moves as one of a joint twice as heavy.
+const FEIGNED_BY: [(&str, &str); 4] = [
+    ("base_tilt", WRONG_MASSES),
+    ("payload_com_offset", WRONG_MASSES),
+    ("extra_load", OTHER_STRENGTH),
+    ("position_latch", OTHER_TIMING),
+];
 const WRONG_MASSES: &str = "a wrong mass or centre of mass of a link or load";
+const OTHER_STRENGTH: &str = "another mass or inertia of a link, or a motor of another strength";
 const OTHER_TIMING: &str = "a filter or an interpolation of commands or readings";
 
-const OWN: [&RobotEffect; 20] = [
+const OWN: [&RobotEffect; 21] = [
     &stribeck_friction::EFFECT,
     &joint_elasticity::EFFECT,
     &speed_limit::EFFECT,
@@ -118,6 +124,7 @@ const OWN: [&RobotEffect; 20] = [
     &voltage_sag::EFFECT,
     &release_braking::EFFECT,
     &load_offset::EFFECT,
+    &extra_load::EFFECT,
     &position_latch::EFFECT,
     &time_delay::EFFECT,
 ];

@@ -52,6 +52,18 @@ fn a_servo_stands_where_its_duty_carries_the_weight_and_the_friction() {
     assert_eq!(found[0], found[1], "it rests");
 }
 
+/// A mass at the place of the load swings and hangs as a heavier load.
+#[test]
+fn an_extra_load_is_one_more_mass_at_the_centre_of_mass() {
+    let swing = |robot: &RobotModel, kg: &[f64]| {
+        rolled(robot, vec![command(|t| (0.5 * t).min(1.0)), on_until(99.0)], &[0.1, 0.0], kg, &clock(6.0))
+    };
+    let found = swing(&pendulum(0.5, 0.1, servo(), &["extra_load"], 0.001), &[0.3]);
+    let heavier = swing(&pendulum(0.8, 0.1, servo(), &[], 0.001), &[]);
+    assert!(root_mean_square(&found, &heavier) < 1e-6, "{}", root_mean_square(&found, &heavier));
+    assert!(root_mean_square(&found, &swing(&pendulum(0.5, 0.1, servo(), &[], 0.001), &[])) > 1e-3);
+}
+
 #[test]
 fn a_limited_goal_is_reached_at_its_greatest_speed() {
     let joint = JointNumbers { kp: 400.0, coulomb: 0.0, ..servo() };
