@@ -43,7 +43,9 @@ pub struct RobotStart {
 }
 
 impl RobotStart {
-    fn motor(&self, joint: &str) -> Option<&StatedMotor> {
+    /// The motor of a joint, where the model has one.
+    #[must_use]
+    pub fn motor(&self, joint: &str) -> Option<&StatedMotor> {
         self.motors.iter().find(|motor| motor.joint == joint)
     }
 
@@ -110,7 +112,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     let stated = start.columns.is_some() || named.iter().all(states_limit);
     let one_gain = stated && !named.is_empty() && named.iter().all(|joint| drive(joint).has_duty());
     if one_gain {
-        text = with_tuned_gains(text, named.len());
+        text = with_tuned_gains(text);
     }
     let of_motors = |of: fn(&StatedMotor) -> f64| -> Vec<f64> {
         named.iter().map(|joint| start.motor(&joint.name).map_or(0.0, of)).collect()

@@ -5,19 +5,16 @@ use super::template::line;
 /// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
 /// gain and torque limit where no motor is at its limit: the limit stays as it is stated, and the gain is tuned, which models often
 /// state by orders of magnitude too large.
-pub(super) fn with_tuned_gains(text: String, joints: usize) -> String {
+///
+/// One number holds for all joints, also after the table of one is taken out.
+pub(super) fn with_tuned_gains(text: String) -> String {
     const TABLE: &str = "# [effects.firmware_gain]\n";
     let Some((before, table)) = text.split_once(TABLE) else { return text };
     let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
     let said = line(
         "# Recordings at one gain show the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
     );
-    let factors = vec!["1.0"; joints].join(", ");
-    let table = table.replacen("# factor = 1.0", &format!("factor = [{factors}]"), 1).replacen(
-        "# tune = false",
-        "tune = true",
-        1,
-    );
+    let table = table.replacen("# factor", "factor", 1).replacen("# tune = false", "tune = true", 1);
     format!("{before}[effects.firmware_gain]\n{said}{table}\n\n{after}")
 }
 
@@ -28,9 +25,16 @@ pub(super) fn with_stated(text: String, (effect, key, attribute): (&str, &str, &
         return text;
     };
     let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
-    let values = values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", ");
-    let table = table.replacen(&format!("# {key} = 0.0"), &format!("{key} = [{values}]"), 1);
+    let table = table.replacen(&format!("# {key} = 0.0"), &format!("{key} = {}", one_or_list(values)), 1);
     format!("{before}[effects.{effect}]\n# Of the model: `{attribute}` of its actuators.\n{table}\n\n{after}")
+}
+
+/// One number where all joints have the same.
+fn one_or_list(values: &[f64]) -> String {
+    match values {
+        [first, rest @ ..] if rest.iter().all(|v| v == first) => format!("{first:?}"),
+        _ => format!("{values:?}"),
+    }
 }
 
 #[cfg(test)]
@@ -59,5 +63,12 @@ mod tests {
         let stated: Vec<(&str, &[f64])> = found.iter().map(|e| (e.effect.name, e.values.as_slice())).collect();
         assert!(stated.contains(&("command_lag", &[0.015, 0.0])), "{stated:?}");
         assert!(stated.contains(&("command_delay", &[0.02, 0.0])), "{stated:?}");
+    }
+
+    #[test]
+    fn what_all_joints_share_is_one_number() {
+        assert_eq!(super::one_or_list(&[0.02, 0.02]), "0.02");
+        assert_eq!(super::one_or_list(&[0.02, 0.0]), "[0.02, 0.0]");
+        assert_eq!(super::one_or_list(&[1e-7]), "1e-7");
     }
 }
