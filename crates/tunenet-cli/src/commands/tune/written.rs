@@ -18,6 +18,9 @@ use crate::view::json::ranges;
 use crate::view::text::stage;
 use crate::view::toml::tune::{Inputs, provenance};
 
+/// Numbers that are not all determined are worth a model where they leave less than this share of the gap.
+const WORTH: f64 = 0.8;
+
 /// Refuses, before anything is read, what cannot be tuned, and models that the simulation does not have.
 pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
     start::check(options, file)?;
@@ -76,6 +79,10 @@ fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()
     let (known, open): (Vec<&Estimate>, Vec<&Estimate>) = outcome.parameters.iter().partition(|p| p.identified);
     if known.is_empty() {
         stage("model", "not written: nothing was tuned");
+        return Ok(());
+    }
+    if !is_written(outcome) && !outcome.gap.as_ref().is_some_and(|gap| gap.after < WORTH * gap.before) {
+        stage("model", "not written: the fit leaves as much as the simulation did before");
         return Ok(());
     }
     if !open.is_empty() {

@@ -147,6 +147,9 @@ fn iterations(outcome: &Outcome) -> Vec<Vec<String>> {
 pub fn render_end(out: Option<&Path>, seed: u64, outcome: &Outcome, spent: Spent) {
     let wrote = match out {
         Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
+        Some(out) if outcome.parameters.iter().any(|one| one.identified) => {
+            format!("{} not written, since the recordings do not determine every parameter; ", out.display())
+        }
         Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
         None => String::new(),
     };
