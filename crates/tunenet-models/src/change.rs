@@ -46,7 +46,7 @@ pub enum Quantity {
     StribeckFriction,
     /// Speed at which that has fallen to 1/e, rad/s.
     StribeckSpeed,
-    /// Difference of Coulomb friction between the directions, N·m.
+    /// How much larger Coulomb friction is at positive speed, and smaller at negative speed, N·m.
     DirectionalFriction,
     /// Friction that grows with the square of the speed, N·m·s²/rad².
     QuadraticFriction,

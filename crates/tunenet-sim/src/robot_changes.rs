@@ -247,11 +247,7 @@ impl OneJoint<'_> {
                 if n.stribeck == 0.0 { 0.0 } else { n.stribeck_speed },
                 self.of("stribeck_friction", "rad_s"),
             ),
-            (
-                Quantity::DirectionalFriction,
-                2.0 * n.directional,
-                self.of("directional_friction", "nm").map(|ends| ends.map(|end| 2.0 * end)),
-            ),
+            (Quantity::DirectionalFriction, n.directional, self.of("directional_friction", "nm")),
             (Quantity::QuadraticFriction, n.quadratic, self.of("quadratic_friction", "nms2_rad2")),
             (Quantity::Stiffness, stiffness, spring),
             (Quantity::SpringReference, if stiffness == 0.0 { 0.0 } else { n.preload / stiffness }, None),
