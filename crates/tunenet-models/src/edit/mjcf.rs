@@ -10,6 +10,10 @@ use crate::robot::{Law, Motion, Target};
 use crate::xml::{Element, SourceFile, shown};
 use crate::{Change, Quantity};
 
+/// How exactly dry friction holds, and numbers by which it gives way by a thousandth.
+const IMPEDANCE: &str = "solimpfriction";
+const HOLDS: &str = "0.999 0.999 0.001 0.5 2";
+
 /// What can become of a change.
 enum Outcome<'a> {
     /// Attributes of an element.
@@ -51,7 +55,7 @@ impl<'a> Editor<'a> {
         let value = change.value;
         match change.quantity {
             Quantity::Armature => self.on_joint(joint, "armature", value),
-            Quantity::CoulombFriction => self.on_joint(joint, "frictionloss", value),
+            Quantity::CoulombFriction => self.dry_friction(joint, value),
             Quantity::Stiffness => self.on_joint(joint, "stiffness", value),
             Quantity::SpringReference if !self.has_one_axis(joint) => {
                 Outcome::Left("only a hinge or a slide has a spring with a reference".into())
@@ -110,6 +114,19 @@ impl<'a> Editor<'a> {
             return Outcome::Left(why.into());
         }
         Outcome::Written(element, vec![(name, with(element, name, &[Some(value)]))])
+    }
+
+    /// Dry friction that holds what stands still: by MuJoCo's own numbers, it gives way by a tenth of the acceleration that it stops.
+    fn dry_friction(&mut self, joint: usize, value: f64) -> Outcome<'a> {
+        let mut outcome = self.on_joint(joint, "frictionloss", value);
+        if let Outcome::Written(element, attributes) = &mut outcome
+            && value > 0.0
+            && [IMPEDANCE, "solreffriction"].iter().all(|name| element.value(name).is_none())
+        {
+            attributes.push((IMPEDANCE, HOLDS.into()));
+            self.note("`solimpfriction` makes dry friction hold a joint that stands still, as in the simulation that was tuned");
+        }
+        outcome
     }
 
     /// All that brakes with the speed stands in one attribute.
