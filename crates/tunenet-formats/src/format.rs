@@ -131,7 +131,12 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if let Some((_, expected)) = NAMED.iter().find(|(known, _)| *known == ending) {
-        let found = if start.is_empty() { "an empty one" } else { "other bytes" };
+        let found = match &start[..] {
+            [] => "an empty one",
+            // The end of an archive, at its start.
+            [b'P', b'K', 5, 6, ..] => "one with no array in it",
+            _ => "other bytes",
+        };
         let message = format!("expected {expected}, found {found}");
         return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
     }

@@ -105,11 +105,17 @@ pub(crate) fn scan(path: &Path, options: &ReadOptions) -> Result<Scan> {
     scan_at_most(path, options, MOST_NUMBERS)
 }
 
+fn is_empty(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|file| file.len() == 0)
+}
+
 fn scan_at_most(path: &Path, options: &ReadOptions, most: usize) -> Result<Scan> {
     let mut lines = Lines::open(path)?;
     let Some(first) = lines.next()? else {
-        let hint = "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line";
-        return Err(Error::file(path, "expected a table, found an empty file", hint));
+        let hint = "give a file with a header, such as `t_s,x_m,y_m,z_m` of a ball or `t_s,elbow_goal_rad,elbow_rad` of a robot, and one sample \
+            a line";
+        let found = if is_empty(path) { "an empty file" } else { "blank lines and comments alone" };
+        return Err(Error::file(path, format!("expected a table, found {found}"), hint));
     };
     let separator = separator(&first.text);
     let names = cells(&first.text, separator);

@@ -152,17 +152,11 @@ fn rounded_stamps_may_repeat_now_and_then() {
 fn every_bad_table_says_what_and_where() {
     let example =
         "say which column is which, as in `--columns t_s=time,z_m=height` for a file with `time` and `height`";
+    let no_header = "give a file with a header, such as `t_s,x_m,y_m,z_m` of a ball or `t_s,elbow_goal_rad,elbow_rad` of a robot, and one sample \
+        a line";
     for (text, message, hint) in [
-        (
-            "",
-            "a.csv: expected a table, found an empty file",
-            "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line",
-        ),
-        (
-            "\n\n",
-            "a.csv: expected a table, found an empty file",
-            "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line",
-        ),
+        ("", "a.csv: expected a table, found an empty file", no_header),
+        ("\n\n", "a.csv: expected a table, found blank lines and comments alone", no_header),
         (
             "t_s,z_m\n",
             "a.csv:1:1: expected samples after the header, found none",

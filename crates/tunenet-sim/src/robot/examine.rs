@@ -139,7 +139,15 @@ fn rejected(note: Note, mut checks: Vec<Check>) -> Preparation {
 
 /// That samples are so far apart that they show no motion of a joint, and a rollout between them takes for ever.
 fn rare(clock: &[f64]) -> Option<Note> {
-    let period_s = median(clock.windows(2).map(|two| two[1] - two[0])).filter(|period_s| *period_s > RARE_S)?;
+    rare_samples(median(clock.windows(2).map(|two| two[1] - two[0]))?)
+}
+
+/// That samples with this period, s, show no motion of a joint, where they do not.
+#[must_use]
+pub fn rare_samples(period_s: f64) -> Option<Note> {
+    if period_s.is_nan() || period_s <= RARE_S {
+        return None;
+    }
     let text = format!(
         "samples are {} s apart: expected {RARE_S} s at most, in which a joint moves little",
         with_decimals(period_s, 2)

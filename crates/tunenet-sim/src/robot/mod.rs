@@ -48,6 +48,7 @@ mod wiring;
 #[cfg(test)]
 mod tests;
 
+pub use examine::rare_samples;
 pub use model::RobotModel;
 pub(crate) use model::driven_joints;
 pub use numbers::Drive;

@@ -8,7 +8,7 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::{Contents, ReadOptions, contents_with, read_calibration};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::simulation_file::{JointColumns, is_name, position_channel, robot_template, seen_from};
+use tunenet_sim::simulation_file::{JointColumns, RobotStart, is_name, position_channel, robot_template, seen_from};
 
 use super::asked::refuse_unnamed;
 use super::columns::{Columns, columns};
@@ -38,6 +38,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let Stated { model, mut start, mut notes } = stated(urdf)?;
     let (mut recording, mut found) = (None, Vec::new());
     notes.extend(unnameable(&model)?);
+    notes.extend(without_actuator(urdf, &model, &start));
     if let Some(from) = &options.from {
         let units = options.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
         let definitions = definitions(&options.definitions)?;
@@ -75,6 +76,19 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let seen = seen_from(out, urdf).map_or_else(|| std::path::absolute(urdf), Ok)?;
     let text = robot_template(&seen.to_string_lossy(), &model, &start);
     Ok(Started { text, recording, columns: found, notes })
+}
+
+/// That an MJCF says nothing of what drives its joints.
+fn without_actuator(path: &Path, model: &Model, start: &RobotStart) -> Option<Note> {
+    let mjcf = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
+    let joints = model.joints();
+    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && start.motor(&joint.name).is_none());
+    let lacking: Vec<&str> = lacking.map(|joint| joint.name.as_str()).collect();
+    (mjcf && !lacking.is_empty()).then(|| {
+        let text = format!("joints for which the model has no actuator: {}", listed(lacking));
+        let remedy = "set `drive` under [joints], where \"position\" is written, and the bounds of its parameters";
+        Note::new(findings::MODEL_LEFT_OUT, text, remedy)
+    })
 }
 
 /// That the names of joints cannot stand in a simulation file.

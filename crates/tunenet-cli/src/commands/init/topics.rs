@@ -77,7 +77,14 @@ pub fn commands(names: &[&str], drive: Drive, found: &[NamedColumn], states: Opt
             && column.topic.as_deref() != states
             && of(column).is_some_and(|of| of.quantity == wanted)
     });
-    let Some(some) = [stated, bare, other].into_iter().find(|some| !some.is_empty()) else { return Ok(None) };
+    // Of a motor that is driven by torques, a table often has these alone.
+    let driving = all(&|column| {
+        drive == Drive::Torque
+            && column.topic.is_none()
+            && of(column).is_some_and(|of| of.quantity == Some(JointQuantity::Effort))
+    });
+    let some = [stated, bare, other, driving].into_iter().find(|some| !some.is_empty());
+    let Some(some) = some else { return Ok(None) };
     match some.as_slice() {
         [one] => Ok(Some(Place::of(one))),
         several => {

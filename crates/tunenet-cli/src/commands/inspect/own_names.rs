@@ -4,6 +4,7 @@ use std::path::Path;
 
 use tunenet_core::observation::{Kind, Note};
 use tunenet_formats::{Described, Table};
+use tunenet_sim::robot::rare_samples;
 
 use super::{Found, Standing};
 use crate::args::Inspect;
@@ -17,6 +18,7 @@ pub fn look(found: &Table, columns: &Described, path: &Path, options: &Inspect, 
     let noticed = load::reading(&options.reading.numbers).and_then(|reading| Ok(columns.noticed(path, &reading)?));
     let mut notes = found.notes.clone();
     notes.extend(noticed.iter().flatten().filter(|note| !found.notes.contains(note)).cloned().collect::<Vec<Note>>());
+    notes.extend(found.median_rate_hz.and_then(|rate_hz| rare_samples(rate_hz.recip())));
     table::contents(found, shown);
     shown.warn_all(&notes);
     let refused = noticed.as_ref().err().map(sentence);

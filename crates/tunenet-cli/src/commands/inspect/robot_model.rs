@@ -36,7 +36,8 @@ pub fn look(path: &Path, format: Format, shown: &mut Printout) -> Result<Value> 
             vec![visible(&joint.name), kind(joint).into(), range(joint), drive(start.drive(&joint.name)).into()]
         })
         .collect();
-    shown.row("model", &format!("{format} of a robot with {} joints", joints.len()));
+    let count = if joints.len() == 1 { "1 joint".into() } else { format!("{} joints", joints.len()) };
+    shown.row("model", &format!("{format} of a robot with {count}"));
     shown.table(&rows);
     let next = format!("tunenet init robot --model {}", shell_word(&path.to_string_lossy()));
     shown.row("usable", &format!("tune its joints: `{next}` writes a simulation file"));
