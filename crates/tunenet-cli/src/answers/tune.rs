@@ -75,3 +75,11 @@ pub fn forced(outcome: &Outcome) -> bool {
 pub fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
+
+/// Numbers that are not all determined are worth a model where they leave less than this share of the gap.
+const WORTH: f64 = 0.8;
+
+/// Whether the numbers of a fit may go into a model.
+pub fn is_worth_a_model(outcome: &Outcome) -> bool {
+    is_written(outcome) || outcome.gap.as_ref().is_some_and(|gap| gap.after < WORTH * gap.before)
+}

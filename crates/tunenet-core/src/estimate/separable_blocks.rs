@@ -31,7 +31,9 @@ impl Place {
             misfits[i % width] += value.abs();
         }
         let samples = residuals.iter().map(Vec::len).sum::<usize>() / width.max(1);
-        misfits.iter_mut().for_each(|sum| *sum /= samples.max(1) as f64);
+        for sum in &mut misfits {
+            *sum /= samples.max(1) as f64;
+        }
         Self { point, misfits }
     }
 }

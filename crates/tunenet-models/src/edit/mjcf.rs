@@ -10,9 +10,12 @@ use crate::robot::{Law, Motion, Target};
 use crate::xml::{Element, SourceFile, shown};
 use crate::{Change, Quantity};
 
-/// How exactly dry friction holds, and numbers by which it gives way by a thousandth.
+/// How exactly dry friction holds, and how fast it catches what slips.
 const IMPEDANCE: &str = "solimpfriction";
-const HOLDS: &str = "0.999 0.999 0.001 0.5 2";
+const REFERENCE: &str = "solreffriction";
+/// It gives way by a ten-thousandth, and catches as fast as MuJoCo allows: within two steps.
+const HOLDS: &str = "0.9999 0.9999 0.001 0.5 2";
+const CATCHES_STEPS: f64 = 2.0;
 
 /// What can become of a change.
 enum Outcome<'a> {
@@ -121,10 +124,11 @@ impl<'a> Editor<'a> {
         let mut outcome = self.on_joint(joint, "frictionloss", value);
         if let Outcome::Written(element, attributes) = &mut outcome
             && value > 0.0
-            && [IMPEDANCE, "solreffriction"].iter().all(|name| element.value(name).is_none())
+            && [IMPEDANCE, REFERENCE].iter().all(|name| element.value(name).is_none())
         {
+            attributes.push((REFERENCE, format!("{} 1", number(CATCHES_STEPS * self.mjcf.timestep_s))));
             attributes.push((IMPEDANCE, HOLDS.into()));
-            self.note("`solimpfriction` makes dry friction hold a joint that stands still, as in the simulation that was tuned");
+            self.note("`solreffriction` and `solimpfriction` make dry friction hold a joint that stands still, as in the simulation that was tuned");
         }
         outcome
     }

@@ -148,4 +148,24 @@ mod tests {
             assert_eq!(left, [Left { change: change.clone(), why: NO_OFFSET_OF_READINGS.into() }]);
         }
     }
+
+    /// Dry friction comes with numbers by which it holds, unless the joint has its own; none needs none.
+    #[test]
+    fn written_friction_holds_in_an_mjcf() {
+        let friction = |value| {
+            let quantity = Quantity::CoulombFriction;
+            Change { joint: "a".into(), motion: Motion::Revolute, quantity, value, interval: None }
+        };
+        let holds = " solreffriction=\"0.004 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
+        let cases = [("", 3.0, holds), ("", 0.0, ""), (" solimpfriction='0.95 0.99'", 3.0, "")];
+        for (own, value, added) in cases {
+            let text = format!(
+                "<mujoco><worldbody><body><joint name='a'{own}/><geom size='0.1'/></body></worldbody></mujoco>"
+            );
+            let model = Model::parse("model".as_ref(), &text).unwrap();
+            let edited = edit(&model, &[friction(value)]).unwrap();
+            let written = format!("<joint name='a'{own} frictionloss=\"{value}\"{added}/>");
+            assert!(edited.files[0].text.contains(&written), "{written}\n{}", edited.files[0].text);
+        }
+    }
 }

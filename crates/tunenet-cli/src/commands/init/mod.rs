@@ -3,6 +3,7 @@
 mod asked;
 mod columns;
 mod flags;
+mod joint_notes;
 mod limits;
 mod place;
 mod robot;

@@ -9,7 +9,7 @@ use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
-use crate::answers::tune::is_written;
+use crate::answers::tune::{is_worth_a_model, is_written};
 use crate::args::Tune;
 use crate::commands::load::{self, Setups};
 use crate::commands::{models, start};
@@ -17,9 +17,6 @@ use crate::files::hash;
 use crate::view::json::ranges;
 use crate::view::text::stage;
 use crate::view::toml::tune::{Inputs, provenance};
-
-/// Numbers that are not all determined are worth a model where they leave less than this share of the gap.
-const WORTH: f64 = 0.8;
 
 /// Refuses, before anything is read, what cannot be tuned, and models that the simulation does not have.
 pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
@@ -81,7 +78,7 @@ fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()
         stage("model", "not written: nothing was tuned");
         return Ok(());
     }
-    if !is_written(outcome) && !outcome.gap.as_ref().is_some_and(|gap| gap.after < WORTH * gap.before) {
+    if !is_worth_a_model(outcome) {
         stage("model", "not written: the fit leaves as much as the simulation did before");
         return Ok(());
     }
