@@ -79,7 +79,14 @@ pub fn is_written(outcome: &Outcome) -> bool {
 /// Numbers that are not all determined are worth a model where they leave less than this share of the gap.
 const WORTH: f64 = 0.8;
 
-/// Whether the numbers of a fit may go into a model.
-pub fn is_worth_a_model(outcome: &Outcome) -> bool {
-    is_written(outcome) || outcome.gap.as_ref().is_some_and(|gap| gap.after < WORTH * gap.before)
+/// Why the numbers of a fit go into no model.
+pub fn why_no_model(outcome: &Outcome) -> Option<&'static str> {
+    let fell = || outcome.gap.as_ref().is_some_and(|gap| gap.after < WORTH * gap.before);
+    if outcome.parameters.iter().all(|one| !one.identified) {
+        Some("nothing was tuned")
+    } else if is_written(outcome) || fell() {
+        None
+    } else {
+        Some("the fit leaves as much as the simulation did before")
+    }
 }

@@ -10,7 +10,7 @@ use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
-use super::limits::{at_a_stop, beyond_command_range, beyond_limits};
+use super::limits::{at_a_stop, beyond_command_range, beyond_limits, many_turns};
 use super::numbers::{JointNumbers, NO_RANGE};
 use super::trajectory::Quantity;
 use crate::findings;
@@ -321,6 +321,10 @@ fn position(
         let text = format!("`{name}` moves against its commands: expected one sign, found two");
         let remedy = "turn the sign of the column of commands or of positions: a `-` before its name in `--columns`";
         return Some((Note::new(findings::ROBOT_SIGN, text, remedy), false));
+    }
+    let unlimited_rad = limits[0] == f64::NEG_INFINITY && seen.channels()[channel].unit == "rad";
+    if let Some(turns) = unlimited_rad.then(|| many_turns(&name, moved)).flatten() {
+        return Some((turns, false));
     }
     if let Some(stopped) = at_a_stop(&name, (seen.clock(), &values, &goals), limits) {
         return Some((stopped, false));

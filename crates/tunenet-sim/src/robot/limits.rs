@@ -6,6 +6,8 @@ use crate::findings;
 
 /// Positions that span more than so many times what the model lets the joint move are in another unit.
 const BEYOND_LIMITS: f64 = 3.0;
+/// Turns that a joint makes about a position that it is commanded to: more are rather degrees.
+const MOST_TURNS: f64 = 3.0;
 /// A joint that is within this share of its travel from a limit, while its command is as far beyond it, for this share of the samples, stands
 /// at a stop.
 const AT_STOP: f64 = 0.01;
@@ -26,6 +28,20 @@ pub(super) fn beyond_limits(name: &str, moved: f64, (travel, unit): (f64, &str))
     );
     let remedy = "state the units as they were recorded, or correct the limits in the model";
     Some(Note::new(findings::ROBOT_UNITS, text, remedy))
+}
+
+/// That a joint whose model has no limits, and which follows positions, makes many turns.
+pub(super) fn many_turns(name: &str, moved_rad: f64) -> Option<Note> {
+    let turns = moved_rad / std::f64::consts::TAU;
+    if turns <= MOST_TURNS {
+        return None;
+    }
+    let text = format!(
+        "`{name}` spans {} rad, which are {} turns: degrees?",
+        with_decimals(moved_rad, 1),
+        with_decimals(turns, 1)
+    );
+    Some(Note::new(findings::ROBOT_UNITS, text, "if they are, state the units as they were recorded"))
 }
 
 /// That a joint stands at a limit of the model while its commands go beyond it.
@@ -74,6 +90,13 @@ pub(super) fn beyond_command_range(name: &str, commands: &[f64], [lower, upper]:
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn many_turns_are_rather_degrees() {
+        assert!(many_turns("q_rad", 18.0).is_none());
+        let note = many_turns("q_rad", 66.0).unwrap();
+        assert_eq!(note.text, "`q_rad` spans 66.0 rad, which are 10.5 turns: degrees?");
+    }
 
     #[test]
     fn commands_beyond_the_range_of_the_model_are_counted() {

@@ -7,6 +7,7 @@ use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
+use tunenet_sim::robot::Drive;
 use tunenet_sim::simulation_file::{RobotStart, is_name};
 
 use super::columns::Columns;
@@ -16,7 +17,10 @@ use crate::view::text::listed;
 pub fn without_actuator(path: &Path, model: &Model, start: &RobotStart) -> Option<Note> {
     let mjcf = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
     let joints = model.joints();
-    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && start.motor(&joint.name).is_none());
+    let driven = |joint: &Joint| {
+        start.motor(&joint.name).is_some_and(|motor| motor.gain.is_some() || motor.drive != Drive::Position)
+    };
+    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && !driven(joint));
     let lacking: Vec<&str> = lacking.map(|joint| joint.name.as_str()).collect();
     (mjcf && !lacking.is_empty()).then(|| {
         let text = format!("joints for which the model has no actuator: {}", listed(lacking));

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use tunenet_core::observation::Channel;
+use tunenet_core::observation::{Channel, Kind};
 use tunenet_formats::Table;
 use tunenet_sim::SimulationFile;
+use tunenet_sim::robot::rare_samples;
 
 use super::reading::{expected, on_channels, recording};
 use super::{Found, Standing, own_names};
@@ -34,7 +35,9 @@ pub fn look(
     };
     let read = readable.and_then(|()| recorded().map_err(refused));
     // What reading it as a recording says goes further than what the table alone shows.
-    let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
+    let mut notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
+    let other = read.as_ref().is_ok_and(|read| read.observation.kind() == Kind::Other);
+    notes.extend(found.median_rate_hz.filter(|_| other).and_then(|rate_hz| rare_samples(rate_hz.recip())));
     let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation, expected(sim)));
     table::contents(found, shown);
     shown.warn_all(&notes);

@@ -9,7 +9,7 @@ use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
-use crate::answers::tune::{is_worth_a_model, is_written};
+use crate::answers::tune::{is_written, why_no_model};
 use crate::args::Tune;
 use crate::commands::load::{self, Setups};
 use crate::commands::{models, start};
@@ -74,12 +74,8 @@ fn write_models(options: &Tune, setups: &Setups, outcome: &Outcome) -> Result<()
         return Ok(());
     }
     let (known, open): (Vec<&Estimate>, Vec<&Estimate>) = outcome.parameters.iter().partition(|p| p.identified);
-    if known.is_empty() {
-        stage("model", "not written: nothing was tuned");
-        return Ok(());
-    }
-    if !is_worth_a_model(outcome) {
-        stage("model", "not written: the fit leaves as much as the simulation did before");
+    if let Some(why) = why_no_model(outcome) {
+        stage("model", &format!("not written: {why}"));
         return Ok(());
     }
     if !open.is_empty() {
