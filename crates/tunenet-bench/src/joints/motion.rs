@@ -89,8 +89,8 @@ impl<'a> Joint<'a> {
             kp: run.kp * secrets.log_gain.exp(),
             duty_max: 1.0 - secrets.duty_less,
             motor_ohm: motor.back_emf * (SUPPLY_V / motor.stall).powi(2),
-            inertia: run.mass_kg * length * length + secrets.extra_kg * secrets.extra_m.powi(2),
-            weight: (run.mass_kg * length + secrets.extra_kg * secrets.extra_m) * GRAVITY_M_S2,
+            inertia: (run.mass_kg + secrets.extra_kg) * length * length,
+            weight: (run.mass_kg + secrets.extra_kg) * GRAVITY_M_S2 * length,
             side_angle: side.atan2(along),
         }
     }

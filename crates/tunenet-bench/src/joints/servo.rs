@@ -82,9 +82,8 @@ pub struct Secrets {
     pub sag_ohm: f64,
     pub release_braking_nms_rad: f64,
     pub load_offset_m: f64,
-    /// A mass that the file does not state, and its distance from the joint.
+    /// A mass next to the load that the file does not state.
     pub extra_kg: f64,
-    pub extra_m: f64,
     pub latch_s: f64,
     pub spring_nm_rad: f64,
     /// Of the load, sideways and along the link, m.
@@ -114,7 +113,6 @@ impl Secrets {
         release_braking_nms_rad: 0.0,
         load_offset_m: 0.0,
         extra_kg: 0.0,
-        extra_m: 0.1,
         latch_s: 0.0,
         spring_nm_rad: 0.0,
         com_m: [0.0; 2],
@@ -167,7 +165,7 @@ pub const SECRETS: [Secret; 23] = [
     secret("voltage_sag", 10.0, |s, size, _| s.sag_ohm = size),
     secret("release_braking", 1.0, |s, size, _| s.release_braking_nms_rad = size),
     secret("load_offset", 0.045, |s, size, shape| s.load_offset_m = shape.sign * size),
-    secret("extra_load", 1.0, |s, size, shape| (s.extra_kg, s.extra_m) = (size, 0.05 + 0.15 * shape.share)),
+    secret("extra_load", 1.0, |s, size, _| s.extra_kg = size),
     secret("position_latch", 0.045, |s, size, _| s.latch_s = size),
     secret("joint_spring", 3.0, |s, size, shape| s.spring_nm_rad = shape.sign * size),
     secret("payload_com_offset", 0.045, |s, size, shape| {
@@ -234,8 +232,8 @@ mod tests {
                 secrets
             };
             assert_ne!(with(one.greatest), Secrets::NONE, "{}", one.name);
-            let Secrets { stribeck_rad_s, extra_m, .. } = Secrets::NONE;
-            assert_eq!(Secrets { stribeck_rad_s, extra_m, ..with(0.0) }, Secrets::NONE, "{}", one.name);
+            let Secrets { stribeck_rad_s, .. } = Secrets::NONE;
+            assert_eq!(Secrets { stribeck_rad_s, ..with(0.0) }, Secrets::NONE, "{}", one.name);
         }
     }
 

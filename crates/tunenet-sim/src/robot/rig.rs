@@ -9,6 +9,9 @@ use super::numbers::JointNumbers;
 use super::one_joint::Load;
 use crate::arm::{Frame, Inertia, JointKind, Model, Recursion};
 
+/// A link with less than this share of the mass of its loads is a frame for them.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// A mass on a link.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::struct_field_names, reason = "a mass has a mass")]
@@ -61,7 +64,7 @@ impl Rig {
             world = Cow::Owned(with_masses(&self.bare, &self.masses, imperfect.load_offset_m, offset));
         }
         if imperfect.extra_load_kg != 0.0 {
-            world = Cow::Owned(with_extra(world.into_owned(), imperfect.extra_load_kg));
+            world = Cow::Owned(self.with_extra(world.into_owned(), imperfect.extra_load_kg));
         }
         (world, gravity)
     }
@@ -72,6 +75,17 @@ impl Rig {
         let (world, gravity) = self.world(imperfect);
         let same = matches!(world, Cow::Borrowed(_)) && imperfect.arm.tilt_rad == [0.0; 2];
         if same { Some(one) } else { single(&world, gravity) }
+    }
+
+    /// The chain with a mass at the centre of mass of its last link: of the link alone, since loads are stated and differ between setups,
+    /// unless it has next to none.
+    fn with_extra(&self, mut model: Model, mass_kg: f64) -> Model {
+        if let (Some(last), Some(bare)) = (model.bodies.last_mut(), self.bare.bodies.last()) {
+            let heavy = bare.inertia.mass_kg > LEAST_SHARE * last.inertia.mass_kg;
+            let com_m = if heavy { bare.inertia.com_m } else { last.inertia.com_m };
+            last.inertia = last.inertia.with(&Inertia::cube(mass_kg, com_m, 0.0));
+        }
+        model
     }
 
     fn gravity(&self, imperfect: &Imperfect) -> Vector3<f64> {
@@ -88,14 +102,6 @@ fn with_masses(bare: &Model, masses: &[Mass], farther_m: f64, offset_m: Vector3<
         let out = mass.position_m.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * farther_m;
         let load = Inertia::cube(mass.mass_kg, mass.position_m + out + offset_m, 0.0);
         model = model.loaded(&mass.link, &load);
-    }
-    model
-}
-
-/// The chain with a mass at the centre of mass of its last link.
-fn with_extra(mut model: Model, mass_kg: f64) -> Model {
-    if let Some(last) = model.bodies.last_mut() {
-        last.inertia = last.inertia.with(&Inertia::cube(mass_kg, last.inertia.com_m, 0.0));
     }
     model
 }
