@@ -70,7 +70,9 @@ fn friction_goes_into_the_mjcf_alone() {
     let found = [JointFriction { joint: "elbow".into(), damping: 0.75, friction: 1.25 }];
     let text = model_file::with_friction(&path, &found).unwrap();
     let elbow = "<joint name=\"elbow\" axis=\"1 0 0\"";
-    assert_eq!(text, MJCF.replace(elbow, &format!("{elbow} damping=\"0.75\" frictionloss=\"1.25\"")));
+    // With the numbers by which it holds.
+    let written = "damping=\"0.75\" frictionloss=\"1.25\" solreffriction=\"0.004 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
+    assert_eq!(text, MJCF.replace(elbow, &format!("{elbow} {written}")));
     let scene = folder.path().join("scene.xml");
     std::fs::write(&scene, "<mujoco><include file=\"two.xml\"/></mujoco>").unwrap();
     // The copy needs no other file.
