@@ -1,7 +1,5 @@
 //! What is to be known of the joints of a model before its file is used.
 
-use std::path::Path;
-
 use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
@@ -13,17 +11,16 @@ use tunenet_sim::simulation_file::{RobotStart, is_name};
 use super::columns::Columns;
 use crate::view::text::listed;
 
-/// That an MJCF says nothing of what drives its joints.
-pub fn without_actuator(path: &Path, model: &Model, start: &RobotStart) -> Option<Note> {
-    let mjcf = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
+/// That a model which states motors states none for some joints, or several for one.
+pub fn without_actuator(model: &Model, start: &RobotStart) -> Option<Note> {
     let joints = model.joints();
-    let driven = |joint: &Joint| {
-        start.motor(&joint.name).is_some_and(|motor| motor.gain.is_some() || motor.drive != Drive::Position)
+    let undriven = |joint: &Joint| {
+        start.motor(&joint.name).is_some_and(|motor| motor.gain.is_none() && motor.drive == Drive::Position)
     };
-    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && !driven(joint));
+    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && undriven(joint));
     let lacking: Vec<&str> = lacking.map(|joint| joint.name.as_str()).collect();
-    (mjcf && !lacking.is_empty()).then(|| {
-        let text = format!("joints for which the model has no actuator: {}", listed(lacking));
+    (!lacking.is_empty()).then(|| {
+        let text = format!("joints for which the model has no actuator, or no single one: {}", listed(lacking));
         let remedy = "set `drive` under [joints], where \"position\" is written, and the bounds of its parameters";
         Note::new(findings::MODEL_LEFT_OUT, text, remedy)
     })

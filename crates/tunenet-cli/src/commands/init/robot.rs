@@ -36,7 +36,7 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
     let Stated { model, mut start, mut notes } = stated(urdf)?;
     let (mut recording, mut found) = (None, Vec::new());
     notes.extend(unnameable(&model)?);
-    notes.extend(without_actuator(urdf, &model, &start));
+    notes.extend(without_actuator(&model, &start));
     if let Some(from) = &options.from {
         let units = options.calibration.as_ref().map(read_calibration).transpose()?.unwrap_or_default();
         let definitions = definitions(&options.definitions)?;

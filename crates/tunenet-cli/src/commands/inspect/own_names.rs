@@ -18,7 +18,7 @@ pub fn look(found: &Table, columns: &Described, path: &Path, options: &Inspect, 
     let noticed = load::reading(&options.reading.numbers).and_then(|reading| Ok(columns.noticed(path, &reading)?));
     let mut notes = found.notes.clone();
     notes.extend(noticed.iter().flatten().filter(|note| !found.notes.contains(note)).cloned().collect::<Vec<Note>>());
-    notes.extend(found.median_rate_hz.and_then(|rate_hz| rare_samples(rate_hz.recip())));
+    notes.extend(rare(found));
     table::contents(found, shown);
     shown.warn_all(&notes);
     let refused = noticed.as_ref().err().map(sentence);
@@ -30,4 +30,9 @@ pub fn look(found: &Table, columns: &Described, path: &Path, options: &Inspect, 
     }
     let object = table::object(found, usable, None, None, &notes, remedy);
     Found { object, standing: if usable.is_ok() { Standing::Usable } else { Standing::Refused }, motion: None }
+}
+
+/// That its samples are too rare for the motion of a joint.
+pub fn rare(found: &Table) -> Option<Note> {
+    rare_samples(found.median_rate_hz?.recip())
 }

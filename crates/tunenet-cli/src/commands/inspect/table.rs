@@ -5,7 +5,6 @@ use std::path::Path;
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_formats::Table;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::robot::rare_samples;
 
 use super::reading::{expected, on_channels, recording};
 use super::{Found, Standing, own_names};
@@ -37,7 +36,7 @@ pub fn look(
     // What reading it as a recording says goes further than what the table alone shows.
     let mut notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
     let other = read.as_ref().is_ok_and(|read| read.observation.kind() == Kind::Other);
-    notes.extend(found.median_rate_hz.filter(|_| other).and_then(|rate_hz| rare_samples(rate_hz.recip())));
+    notes.extend(own_names::rare(found).filter(|_| other));
     let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation, expected(sim)));
     table::contents(found, shown);
     shown.warn_all(&notes);
