@@ -15,7 +15,7 @@ use std::sync::Arc;
 use rusqlite::types::ValueRef;
 
 use self::database::Database;
-pub(crate) use self::unpacked::{Unpacked, unpacked};
+pub(crate) use self::unpacked::{Unpacked, message as unpacked_message, unpacked};
 use crate::ros::channel::{ChannelInfo, Decoders, RawMessage};
 use crate::ros::decoder::{Described, MOST_DEFINITIONS};
 use crate::ros::schema::Given;

@@ -61,7 +61,10 @@ fn decompressed(from: File, mut to: &File, most: u64) -> std::io::Result<u64> {
 }
 
 /// A message, unpacked where it is compressed.
-pub(super) fn message(data: &[u8], most: usize) -> std::result::Result<Vec<u8>, String> {
+///
+/// # Errors
+/// What is wrong with it, to stand behind "the message".
+pub(crate) fn message(data: &[u8], most: usize) -> std::result::Result<Vec<u8>, String> {
     if !data.starts_with(ZSTD) {
         return Ok(data.to_vec());
     }

@@ -125,6 +125,8 @@ fn broken(path: &Path, fault: Fault) -> Error {
             "expected a sound MCAP file, found a record that is longer than its chunk",
             "write the file again",
         ),
+        #[cfg(feature = "logs")]
+        Fault::Packed(why) => Error::file(path, format!("a message {why}"), "write the file again"),
         Fault::Growth => Error::file(
             path,
             "expected a dataset, found chunks that unpack to implausibly many bytes",

@@ -183,6 +183,8 @@ impl Messages {
             Fault::Definitions => {
                 format!("expected at most {MOST_DEFINITIONS} bytes of message definitions, found more")
             }
+            #[cfg(feature = "logs")]
+            Fault::Packed(why) => format!("a message {why}"),
             Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
             Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),
             Fault::Format(McapError::UnsupportedCompression(name)) => {
@@ -209,6 +211,17 @@ impl Messages {
         ChannelInfo::new(record.id, record.topic.clone(), described, &self.given, known)
     }
 
+    /// A message as it was before `rosbag2` compressed it by itself.
+    #[cfg(feature = "logs")]
+    fn whole(&mut self, data: Vec<u8>) -> std::result::Result<Vec<u8>, Fault> {
+        if data.starts_with(crate::format::ZSTD) {
+            let whole = crate::bag::unpacked_message(&data, LONGEST_RECORD).map_err(Fault::Packed)?;
+            self.left = self.left.checked_sub(whole.len() as u64).ok_or(Fault::Growth)?;
+            return Ok(whole);
+        }
+        Ok(data)
+    }
+
     /// Takes in one record; returns it where it is a message.
     fn take(&mut self, record: Record<'static>) -> std::result::Result<Option<RawMessage>, Fault> {
         match record {
@@ -230,12 +243,14 @@ impl Messages {
                 let Some(channel) = self.channels.get(&header.channel_id) else {
                     return Err(McapError::UnknownChannel(header.sequence, header.channel_id).into());
                 };
+                let channel = Arc::clone(channel);
+                #[cfg(feature = "logs")]
+                let data = self.whole(data.into_owned())?;
+                // A build that cannot unpack a message says so where it reads it.
+                #[cfg(not(feature = "logs"))]
+                let data = data.into_owned();
                 self.count += 1;
-                return Ok(Some(RawMessage {
-                    channel: Arc::clone(channel),
-                    log_time: header.log_time,
-                    data: data.into_owned(),
-                }));
+                return Ok(Some(RawMessage { channel, log_time: header.log_time, data }));
             }
             _ => {}
         }
@@ -254,6 +269,9 @@ pub(crate) enum Fault {
     Growth,
     /// The definitions of its types are implausibly long.
     Definitions,
+    /// A message that is compressed by itself is broken.
+    #[cfg(feature = "logs")]
+    Packed(String),
     /// Anything else that the format does not allow.
     Format(McapError),
 }
@@ -292,6 +310,24 @@ mod tests {
         let (message, hint) = error_text(&refused);
         assert!(message.starts_with("a.mcap: its chunks unpack to more than 64 times its size"), "{message}");
         assert!(hint.starts_with("record again"), "{hint}");
+    }
+
+    /// As `rosbag2` writes them with `--compression-mode message`.
+    #[cfg(feature = "logs")]
+    #[test]
+    fn messages_that_are_compressed_one_by_one_are_unpacked() {
+        let text = |i: i64| vec![0, 1, 0, 0, i.to_le_bytes()[0]];
+        let read = |packed: &dyn Fn(Vec<u8>) -> Vec<u8>| {
+            let topic = made("/a", "std_msgs/msg/String", 3, |ns, _| packed(text(ns)));
+            let (_folder, path) = file("a.mcap", bag(None, &[topic]));
+            let all: Result<Vec<Vec<u8>>> = messages(&path).unwrap().map(|one| Ok(one?.data)).collect();
+            all
+        };
+        let pack = |data: Vec<u8>| zstd::encode_all(&data[..], 3).unwrap();
+        assert_eq!(read(&pack).unwrap(), read(&|data| data).unwrap());
+        let cut = read(&|data| pack(data)[..9].to_vec()).unwrap_err();
+        let (message, _) = error_text(&cut);
+        assert!(message.starts_with("a.mcap: a message cannot be unpacked with zstd"), "{message}");
     }
 
     /// Schemas of a megabyte each, which shrink to nearly nothing.
