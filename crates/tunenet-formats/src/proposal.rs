@@ -9,6 +9,9 @@ use tunenet_core::observation::lattice_step;
 /// Counts a turn of the encoders of common bus servos.
 const COUNTS: f64 = 4096.0;
 
+/// The least number of degrees that one in a file stands for.
+const LEAST_DEGREES: f64 = 1e-3;
+
 /// How many turns a joint may make that is proposed by its step alone.
 const TURNS: f64 = 2.0;
 
@@ -103,6 +106,10 @@ fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
         return by_range(low, high, range);
     }
     let degrees = 360.0 / COUNTS / step;
+    // Numbers whose step is so large are no readings of an encoder: one of them is broken.
+    if degrees < LEAST_DEGREES {
+        return by_range(low, high, range);
+    }
     let normalised = low >= -100.5 && high <= 100.5;
     let what = if normalised { "normalised, as of LeRobot: " } else { "" };
     said(
@@ -148,6 +155,12 @@ mod tests {
         assert_eq!(unit(1.0, 1500.0).as_deref(), Some("0.087891deg"));
         // 200 units over 1789 counts: 0.7862° for each.
         assert_eq!(unit(200.0 / 1789.0, -97.0).as_deref(), Some("0.7862deg"));
+    }
+
+    #[test]
+    fn one_broken_number_gives_no_unit() {
+        let broken: Vec<f64> = readings(1e20, 0.0).into_iter().chain([1e30]).collect();
+        assert_eq!(proposal(&broken).unit, None);
     }
 
     #[test]
