@@ -79,13 +79,15 @@ pub fn run(options: &Init) -> Result<Exit> {
     let path = shell_word(&out.to_string_lossy());
     match &recording {
         Some(recording) => {
-            let ending =
-                options.urdf.as_deref().and_then(Path::extension).map_or("urdf".into(), |e| e.to_string_lossy());
+            // A model finds what it includes, and its meshes, from its own folder.
+            let model = options.urdf.as_deref().unwrap_or(Path::new("robot.urdf"));
+            let ending = model.extension().map_or("urdf".into(), |e| e.to_string_lossy());
+            let copy = shell_word(&model.with_file_name(format!("improved.{ending}")).to_string_lossy());
             stage(
                 "next",
                 &format!(
                     "check the units against the robot's documents, then `tunenet diagnose --sim {path} {recording} \
-                     --out improved.toml --out-model improved.{ending}`"
+                     --out improved.toml --out-model {copy}`"
                 ),
             );
         }
