@@ -68,6 +68,8 @@ pub enum Quantity {
     ReleaseBraking,
     /// Period after which the servo renews its reading, s.
     PositionLatch,
+    /// Mass at the centre of mass of what the joint moves, kg.
+    ExtraLoad,
 }
 
 impl Quantity {
@@ -88,7 +90,12 @@ impl Quantity {
     pub fn signed(self) -> bool {
         matches!(
             self,
-            Self::SpringReference | Self::Gear | Self::DirectionalFriction | Self::ZeroOffset | Self::TorqueBias
+            Self::SpringReference
+                | Self::Gear
+                | Self::DirectionalFriction
+                | Self::ZeroOffset
+                | Self::TorqueBias
+                | Self::ExtraLoad
         )
     }
 
@@ -125,6 +132,7 @@ impl Quantity {
             Self::VoltageSag => ("voltage_sag", "Ω"),
             Self::ReleaseBraking => ("release_braking", "N·m·s/rad"),
             Self::PositionLatch => ("position_latch", "s"),
+            Self::ExtraLoad => ("extra_load", "kg"),
         }
     }
 }

@@ -191,6 +191,8 @@ pub struct Robot {
     pub actuators: Vec<Actuator>,
     /// Gravity in world axes, m/s²; `None` where the format has none.
     pub gravity_m_s2: Option<[f64; 3]>,
+    /// The step of its simulation, s; `None` where the format has none.
+    pub step_s: Option<f64>,
     /// Whether the file says which shapes touch: contacts are part of its simulation then.
     pub contacts: bool,
     /// What the file holds and this description leaves out.
@@ -215,6 +217,58 @@ impl Robot {
             at = self.links[i].parent;
         }
         false
+    }
+
+    /// The joints that follow a joint in proportion, themselves or through others, and how far each moves with it. Of several couplings of a
+    /// joint the first counts.
+    #[must_use]
+    pub fn followers(&self, joint: usize) -> Vec<(usize, f64)> {
+        let mut found: Vec<(usize, f64)> = vec![(joint, 1.0)];
+        // Once for each coupling, in whichever order they stand.
+        for _ in 0..self.couplings.len() {
+            for (i, coupling) in self.couplings.iter().enumerate() {
+                let first = self.couplings[..i].iter().all(|other| other.joint != coupling.joint);
+                let straight = coupling.coefficients[2..].iter().all(|c| *c == 0.0);
+                let carrier = found.iter().find(|(known, _)| coupling.other == Some(*known));
+                let Some(&(_, by)) = carrier.filter(|_| first && straight) else { continue };
+                if found.iter().all(|(known, _)| *known != coupling.joint) {
+                    found.push((coupling.joint, by * coupling.coefficients[1]));
+                }
+            }
+        }
+        found.split_off(1)
+    }
+
+    /// The joint with the damping, the friction and the armature of those that follow it, as it feels them: of a joint that moves m times as
+    /// far, m² of its damping and its armature and m of its friction.
+    #[must_use]
+    pub fn with_followers(&self, joint: usize) -> Joint {
+        let mut whole = self.joints[joint].clone();
+        for (follower, by) in self.followers(joint) {
+            let other = &self.joints[follower];
+            whole.damping += by * by * other.damping;
+            whole.armature += by * by * other.armature;
+            whole.friction += by.abs() * other.friction;
+        }
+        whole
+    }
+
+    /// The inertia of a link with those that are fixed to it, in its frame.
+    #[must_use]
+    pub fn fixed_together(&self, link: usize) -> Inertia {
+        let mut places: Vec<Option<Pose>> = vec![None; self.links.len()];
+        places[link] = Some(Pose::identity());
+        let mut whole = self.links[link].inertia;
+        // A link stands behind the one that carries it.
+        for (i, one) in self.links.iter().enumerate().skip(link + 1) {
+            let carrier = one.parent.and_then(|parent| places[parent]).filter(|_| one.joints.is_empty());
+            if let Some(carrier) = carrier {
+                let place = carrier * one.placement;
+                whole = whole.with(&one.inertia.seen_from(&place));
+                places[i] = Some(place);
+            }
+        }
+        whole
     }
 
     /// Where every link lies in the world while every joint is at its reference.

@@ -9,7 +9,7 @@ use tunenet_models::export::{BamServo, Whole, WholeNumber};
 use tunenet_models::{Change, Motion, Quantity};
 
 use crate::SimulationFile;
-use crate::arm::{Model, model_file};
+use crate::arm::{JointKind, Model, model_file};
 use crate::observed_robot::{chain, is_slide, model_path, order, rig, roles};
 use crate::robot::imperfect::Imperfect;
 use crate::robot::numbers::JointNumbers;
@@ -60,6 +60,7 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
         whole: of_whole(&present, intervals),
         servos: Vec::new(),
     };
+    found.changes.extend(extra_load(&model, &present, intervals));
     let kinds = kinds(&model, &order);
     for (place, (name, scene)) in order.iter().enumerate() {
         let is_parameter = |number: &str| parameters.iter().any(|one| one.name == format!("{name}{BETWEEN}{number}"));
@@ -101,12 +102,28 @@ fn kinds(model: &Model, order: &[(&str, &JointScene)]) -> Vec<Motion> {
     order.iter().map(|(name, _)| if is_slide(model, name) { Motion::Prismatic } else { Motion::Revolute }).collect()
 }
 
+/// The effect that is a mass of the last link.
+const EXTRA_LOAD: &str = "extra_load";
+
 /// Numbers below this, in SI units, are 0.
 const SMALLEST: f64 = 1e-12;
 
+/// A load that the file does not state: it goes with the joint that moves the last link.
+fn extra_load(model: &Model, present: &[PresentRobotEffect], intervals: Intervals) -> Option<Change> {
+    let one = present.iter().find(|one| one.effect.name == EXTRA_LOAD)?;
+    let (last, (c, value)) = (model.bodies.last()?, one.effect.coefficients.iter().zip(&one.values).next()?);
+    Some(Change {
+        joint: last.joint.name.clone(),
+        motion: if last.joint.kind == JointKind::Prismatic { Motion::Prismatic } else { Motion::Revolute },
+        quantity: Quantity::ExtraLoad,
+        value: *value,
+        interval: of_effect(intervals, (EXTRA_LOAD, c.key.as_ref()), 0),
+    })
+}
+
 /// Effects that no single joint has.
 fn of_whole(present: &[PresentRobotEffect], intervals: Intervals) -> Vec<Whole> {
-    let whole = present.iter().filter(|one| !one.effect.per_joint);
+    let whole = present.iter().filter(|one| !one.effect.per_joint && one.effect.name != EXTRA_LOAD);
     whole
         .map(|one| Whole {
             effect: one.effect.name.to_owned(),

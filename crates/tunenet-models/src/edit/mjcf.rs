@@ -6,7 +6,7 @@
 use super::patch::{Patches, listed, number};
 use super::{Done, Edited, Left, NO_OFFSET_OF_READINGS};
 use crate::mjcf::Mjcf;
-use crate::robot::{Law, Motion, Target};
+use crate::robot::{Joint, Law, Motion, Target};
 use crate::xml::{Element, SourceFile, shown};
 use crate::{Change, Quantity};
 
@@ -21,6 +21,8 @@ const CATCHES_STEPS: f64 = 2.0;
 enum Outcome<'a> {
     /// Attributes of an element.
     Written(&'a Element, Vec<(&'static str, String)>),
+    /// An element behind that of the joint.
+    Added(&'a Element, String),
     /// It cannot be written, and why.
     Left(String),
 }
@@ -40,6 +42,11 @@ pub(super) fn edit(mjcf: &Mjcf, changes: &[(usize, &Change)]) -> Edited {
                 let (path, line) = (source.path.clone(), source.line(element.open.start));
                 done.push(Done { change: (*change).clone(), path, line, written: written + ">" });
             }
+            Outcome::Added(element, written) => {
+                let source = &mjcf.document.files[element.file];
+                let (path, line) = (source.path.clone(), source.line(element.open.start));
+                done.push(Done { change: (*change).clone(), path, line, written });
+            }
             Outcome::Left(why) => left.push(Left { change: (*change).clone(), why }),
         }
     }
@@ -56,6 +63,7 @@ struct Editor<'a> {
 impl<'a> Editor<'a> {
     fn outcome(&mut self, joint: usize, change: &Change) -> Outcome<'a> {
         let value = change.value;
+        self.clear_followers(joint, change.quantity);
         match change.quantity {
             Quantity::Armature => self.on_joint(joint, "armature", value),
             Quantity::CoulombFriction => self.dry_friction(joint, value),
@@ -79,7 +87,30 @@ impl<'a> Editor<'a> {
             },
             Quantity::CommandDelay => self.delay(joint, value),
             Quantity::CommandLag => self.lag(joint, value),
+            Quantity::ExtraLoad => self.extra_load(joint, value),
             other => Outcome::Left(why_not(other).into()),
+        }
+    }
+
+    /// What is written of a joint holds for those that follow it as well: the same numbers of theirs become 0.
+    fn clear_followers(&mut self, joint: usize, quantity: Quantity) {
+        let (name, own): (&str, fn(&Joint) -> f64) = match quantity {
+            Quantity::Armature => ("armature", |joint| joint.armature),
+            Quantity::CoulombFriction => ("frictionloss", |joint| joint.friction),
+            Quantity::ViscousFriction => ("damping", |joint| joint.damping),
+            _ => return,
+        };
+        let robot = self.mjcf.robot();
+        for (follower, _) in robot.followers(joint) {
+            if own(&robot.joints[follower]) == 0.0 {
+                continue;
+            }
+            let element = &self.mjcf.heads.joints[follower];
+            self.patches.set(element, self.source(element), name, "0");
+            let (follower, joint) = (shown(&robot.joints[follower].name), shown(&robot.joints[joint].name));
+            self.note(&format!(
+                "`{name}` of `{follower}` is 0 in the copy: what is written of `{joint}` holds for both"
+            ));
         }
     }
 
@@ -259,6 +290,34 @@ impl<'a> Editor<'a> {
                 Outcome::Left(format!("`<{tag}>` has no filter: write it as <general> with dyntype=\"filterexact\""))
             }
         }
+    }
+
+    /// A body of its own, fixed to that of the joint.
+    fn extra_load(&mut self, joint: usize, value: f64) -> Outcome<'a> {
+        let robot = self.mjcf.robot();
+        let element = &self.mjcf.heads.joints[joint];
+        let Some(link) = robot.links.iter().position(|link| link.joints.contains(&joint)) else {
+            return Outcome::Left("no body of the model has the joint".into());
+        };
+        if value < 0.0 {
+            let name = shown(&robot.links[link].name);
+            return Outcome::Left(format!("a body has no mass below 0: take it from the mass of `{name}`"));
+        }
+        let [x, y, z] = robot.fixed_together(link).com_m.into();
+        let place = [x, y, z].map(number).join(" ");
+        let end = if element.empty {
+            element.open.end
+        } else {
+            let text = &self.source(element).text;
+            text[element.close..].find('>').map_or(element.close, |i| element.close + i + 1)
+        };
+        let name = if robot.links.iter().any(|link| link.name == "extra_load") { "" } else { " name=\"extra_load\"" };
+        // A point of mass; MuJoCo asks for an inertia above 0.
+        let inertial = format!("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"1e-9 1e-9 1e-9\"/>", number(value));
+        let body = format!("<body{name} pos=\"{place}\">{inertial}</body>");
+        self.patches.replace(element.file, end..end, body.clone());
+        self.note("the extra load is a body of its own, fixed at the centre of mass of the last link");
+        Outcome::Added(element, body)
     }
 
     /// The only actuator of a joint that fits.

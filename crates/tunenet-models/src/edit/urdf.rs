@@ -74,6 +74,9 @@ fn why_not(quantity: Quantity) -> &'static str {
             "a URDF has no springs: an MJCF has `stiffness` and `springref`"
         }
         Quantity::ZeroOffset => NO_OFFSET_OF_READINGS,
+        Quantity::ExtraLoad => {
+            "the copy has other numbers of joints alone: add a link of this mass, fixed at the centre of mass of the last link"
+        }
         Quantity::BackEmf => "a URDF has one number for what brakes with the speed: add it to viscous_friction",
         _ => "a URDF has no attribute for it",
     }

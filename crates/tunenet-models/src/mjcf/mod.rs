@@ -98,9 +98,18 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
     }
     let name = document.root.value("model").unwrap_or_default().to_owned();
     let gravity_m_s2 = Some(option.0);
-    let (actuators, unused_parts, contacts) = (Vec::new(), Vec::new(), contacts::stated(&document));
-    let mut robot =
-        Robot { name, links, joints, couplings, tendons, actuators, gravity_m_s2, contacts, unused: unused_parts };
+    let mut robot = Robot {
+        name,
+        links,
+        joints,
+        couplings,
+        tendons,
+        actuators: Vec::new(),
+        gravity_m_s2,
+        step_s: Some(option.1),
+        contacts: contacts::stated(&document),
+        unused: Vec::new(),
+    };
     let servos = read_actuators((&document, &compiler, &classes), &mut robot, &mut heads, &mut unused)?;
     robot.unused = unused.finish(&document.files);
     let (degrees, auto_limits) = (compiler.degrees, compiler.auto_limits);

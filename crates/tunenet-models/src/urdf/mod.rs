@@ -66,6 +66,7 @@ pub(crate) fn read(document: Document) -> Result<Urdf> {
         tendons: Vec::new(),
         actuators: Vec::new(),
         gravity_m_s2: None,
+        step_s: None,
         contacts: false,
         unused: unused.finish(&document.files),
     };

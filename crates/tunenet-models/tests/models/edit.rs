@@ -197,6 +197,42 @@ fn a_urdf_gets_friction_and_effort_alone() {
     assert_eq!((joint.damping, joint.friction, joint.effort_range), (0.5, 0.25, Some([-8.0, 8.0])));
 }
 
+/// What was found of a joint holds for those that follow it; by a curve, a joint does not follow in proportion, and keeps its own.
+#[test]
+fn numbers_of_joints_that_follow_become_zero() {
+    let text = "<mujoco><worldbody><body><joint name='a' type='slide'/><geom size='0.1'/></body>\
+        <body><joint name='b' type='slide' damping='3' armature='0.05'/><geom size='0.1'/></body>\
+        <body><joint name='c' type='slide' damping='2'/><geom size='0.1'/></body></worldbody>\
+        <equality><joint joint1='b' joint2='a' polycoef='0 -1 0 0 0'/><joint joint1='c' joint2='b' polycoef='0 1 0.5'/></equality></mujoco>";
+    let model = Model::parse_alone(Path::new("m.xml"), text).unwrap();
+    let edited = edit(&model, &[change("a", Quantity::ViscousFriction, 6.5)]).unwrap();
+    let expected = text.replace("name='a' type='slide'", "name='a' type='slide' damping=\"6.5\"").replace("'3'", "'0'");
+    assert_eq!(edited.files[0].text, expected);
+    assert_eq!(edited.notes, ["`damping` of `b` is 0 in the copy: what is written of `a` holds for both"]);
+}
+
+/// A mass of its own stands where the link and what is fixed to it have their centre of mass.
+#[test]
+fn an_extra_load_is_a_body_at_the_centre_of_mass() {
+    let text = "<mujoco><worldbody><body name='link'><joint name='a'/><inertial pos='0 0 0.125' mass='1' diaginertia='1 1 1'/>\
+        <body pos='0 0 0.25'><inertial pos='0 0 0.125' mass='3' diaginertia='1 1 1'/></body></body></worldbody></mujoco>";
+    let model = Model::parse_alone(Path::new("m.xml"), text).unwrap();
+    let edited = edit(&model, &[change("a", Quantity::ExtraLoad, 0.5)]).unwrap();
+    let body = "<body name=\"extra_load\" pos=\"0 0 0.3125\"><inertial pos=\"0 0 0\" mass=\"0.5\" diaginertia=\"1e-9 1e-9 1e-9\"/></body>";
+    assert_eq!(edited.files[0].text, text.replace("<joint name='a'/>", &format!("<joint name='a'/>{body}")));
+    assert_eq!(edited.done[0].written, body);
+    let again = Model::parse_alone(Path::new("m.xml"), &edited.files[0].text).unwrap();
+    let link = again.robot().links.iter().position(|link| link.name == "link").unwrap();
+    assert_eq!(again.robot().fixed_together(link).mass_kg, 4.5);
+    let less = edit(&model, &[change("a", Quantity::ExtraLoad, -0.5)]).unwrap();
+    assert!(less.left[0].why.contains("take it from the mass of `link`"), "{:?}", less.left);
+    // A URDF has a reason of its own.
+    let urdf = "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    let model = Model::parse_alone(Path::new("r.urdf"), urdf).unwrap();
+    let left = edit(&model, &[change("j", Quantity::ExtraLoad, 0.5)]).unwrap().left;
+    assert!(left[0].why.contains("add a link of this mass"), "{left:?}");
+}
+
 /// Numbers for every joint and actuator of a model.
 fn drawn(model: &Model, seed: u64) -> Vec<Change> {
     let mut draw = generator::Draw(seed);

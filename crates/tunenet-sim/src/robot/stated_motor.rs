@@ -80,7 +80,7 @@ pub fn stated_drives(commands: &Commands) -> Vec<StatedDrive> {
 pub fn stated_motors(robot: &Robot) -> Vec<StatedMotor> {
     let scalar = |joint: &Joint| matches!(joint.motion, Motion::Revolute | Motion::Prismatic);
     let joints = robot.joints.iter().enumerate().filter(|(_, joint)| scalar(joint));
-    joints.map(|(index, joint)| motor(robot, index, joint)).collect()
+    joints.map(|(index, _)| motor(robot, index, &robot.with_followers(index))).collect()
 }
 
 fn motor(robot: &Robot, index: usize, joint: &Joint) -> StatedMotor {

@@ -138,6 +138,22 @@ fn followers_move_in_proportion_around_their_references() {
     assert!(refused.contains("expected to follow by finite numbers"), "{refused}");
 }
 
+/// What brakes a joint that follows is felt by the one that it follows.
+#[test]
+fn a_joint_carries_what_follows_it() {
+    let text = "<mujoco><worldbody><body name='a'><joint name='one' damping='1' frictionloss='0.1'/><geom size='0.1'/></body>\
+        <body name='b'><joint name='two' damping='3' armature='0.5' frictionloss='0.2'/><geom size='0.1'/></body></worldbody>\
+        <equality><joint joint1='two' joint2='one' polycoef='0 -2'/></equality></mujoco>";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.xml");
+    std::fs::write(&path, text).unwrap();
+    let (driven, _) = model_file::read_driven(&path).unwrap();
+    let one = &driven.bodies[0].joint;
+    assert_eq!((one.damping, one.armature, one.friction), (13.0, 2.0, 0.1 + 0.4));
+    // Torques are measured at the joint itself.
+    assert_eq!(model_file::read(&path).unwrap().bodies[0].joint.damping, 1.0);
+}
+
 /// MuJoCo's answers, by the judge of the readers' own tests.
 fn judge(paths: &[PathBuf]) -> Option<Vec<Value>> {
     let found = Command::new("python3").args(["-c", "import mujoco"]).output();

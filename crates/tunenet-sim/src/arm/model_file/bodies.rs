@@ -40,7 +40,12 @@ pub(super) fn model(path: &Path, robot: &Robot, driven: Driven) -> Result<Model>
                 Role::Moves(coordinate) => {
                     // The joint's own frame turns by the joint's position, which is its reference where the links lie.
                     let placement = place * anchor * moved(joint, 0.0);
-                    let joint = described(robot, j);
+                    let mut joint = described(robot, j);
+                    if driven == Driven::Commands && coordinate.own {
+                        let whole = robot.with_followers(j);
+                        (joint.damping, joint.friction, joint.armature) =
+                            (whole.damping, whole.friction, whole.armature);
+                    }
                     let inertia = Inertia::zero();
                     let body = Body { name: link.name.clone(), parent: carrier, placement, joint, coordinate, inertia };
                     model.bodies.push(body);

@@ -108,13 +108,6 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
     let integrating = of(|one| one.filter == Filter::Integrator);
     let delayed = of(|one| one.delay_s > 0.0);
     let uneven = of(|one| one.force_range.is_some_and(|[lower, upper]| lower + upper != 0.0));
-    let own = |joint: &Joint| joint.damping != 0.0 || joint.friction != 0.0 || joint.armature != 0.0;
-    let follow: Vec<String> = robot
-        .couplings
-        .iter()
-        .filter(|coupling| coupling.other.is_some() && own(&robot.joints[coupling.joint]))
-        .map(|coupling| name(coupling.joint))
-        .collect();
     let said = [
         (
             several,
@@ -147,7 +140,6 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
             "lower `duty_max` of the joint if the smaller one is reached",
         ),
         (apart, "actuators of tendons, sites and bodies, which the simulation leaves out", ""),
-        (follow, FOLLOW, ""),
     ];
     said.into_iter()
         .filter(|(all, ..)| !all.is_empty())
@@ -155,8 +147,8 @@ fn of_motors(robot: &Robot) -> Vec<Note> {
         .collect()
 }
 
-/// Said of joints that follow others.
-const FOLLOW: &str = "joints that follow others, whose own friction, damping and armature the simulation leaves out";
+/// Said of joints of a URDF that follow others.
+const FOLLOW: &str = "joints that follow others, whose own friction and damping the simulation leaves out";
 
 /// What coupled joints of a URDF have that no joint of the simulation file gets.
 pub(super) fn of_mimics(model: &Model) -> Option<Note> {
