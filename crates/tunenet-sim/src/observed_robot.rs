@@ -93,6 +93,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         starts: starts.iter().map(|(start, _)| *start).collect(),
         wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
         follows,
+        model_step_s: described.as_ref().and_then(|robot| robot.step_s).unwrap_or(0.0),
         limits: model.joints().into_iter().map(limits).collect(),
         notes: said_of_one_setup(&same_as_parameters).into_iter().chain(said_of_several_joints(&beyond)).collect(),
     };

@@ -26,6 +26,9 @@ pub struct Prepared {
     pub noise: Option<Vec<f64>>,
     /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
     pub residual_scale: Option<Vec<f64>>,
+    /// What another step of the integration changes in each channel, root mean square, where that is known: effects that do less are not
+    /// named alone.
+    pub step_error: Option<Vec<f64>>,
     /// Nuisance parameters of this recording (its initial state, the height of a surface), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
     /// Standard deviations of the priors of the nuisance parameters around their first guesses, in their order; of one that is
@@ -93,6 +96,7 @@ impl Prepared {
             seen,
             noise: None,
             residual_scale: None,
+            step_error: None,
             nuisances: Vec::new(),
             prior_sd: Vec::new(),
             known_states: Vec::new(),

@@ -12,6 +12,7 @@ use tunenet_core::statistics::{dot, median, range};
 use super::layout::{Layout, Reading};
 use super::limits::{at_a_stop, beyond_command_range, beyond_limits, many_turns};
 use super::numbers::{JointNumbers, NO_RANGE};
+use super::step_error::step_error;
 use super::trajectory::Quantity;
 use crate::findings;
 
@@ -56,8 +57,12 @@ const LAG_STEP_S: f64 = 0.02;
 /// A correlation at another lag has to leave so much less of the variance.
 const CLEARER: f64 = 0.3;
 
-/// A recording examined; `joints` are those of its setup.
-pub(super) fn examine(layout: &Layout, joints: &[JointNumbers], mut prepared: Box<Prepared>) -> Result<Preparation> {
+/// A recording examined; `joints` are those of its setup, which are simulated in steps of `step_s`.
+pub(super) fn examine(
+    layout: &Layout,
+    (joints, step_s): (&[JointNumbers], f64),
+    mut prepared: Box<Prepared>,
+) -> Result<Preparation> {
     prepared.discrepancy = true;
     let mut checks = Vec::new();
     let (seen, jumps) = without_jumps(layout, &prepared.seen)?;
@@ -92,6 +97,9 @@ pub(super) fn examine(layout: &Layout, joints: &[JointNumbers], mut prepared: Bo
     let clock = prepared.seen.clock();
     checks.extend((0..joints.len()).filter_map(|joint| clipped(layout, joints, &known, joint, clock)).map(noticed));
     prepared.noise = Some((0..prepared.seen.channels().len()).map(|channel| noise(&prepared.seen, channel)).collect());
+    let step_s = step_s.max(layout.model_step_s);
+    prepared.step_error =
+        Some((0..prepared.seen.channels().len()).map(|channel| step_error(&prepared.seen, channel, step_s)).collect());
     start_at_median(layout, joints, &mut prepared);
     prepared.notes.extend(layout.notes.iter().cloned());
     prepared.notes.extend(checks.iter().filter_map(Check::note));

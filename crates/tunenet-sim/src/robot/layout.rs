@@ -50,6 +50,8 @@ pub(crate) struct Layout {
     pub limits: Vec<[f64; 2]>,
     /// Between which goals or torques a copy of the model clips the commands of each joint, where its simulation does not.
     pub command_ranges: Vec<Option<[f64; 2]>>,
+    /// The step of the simulation that the model states, s; 0 where it states none.
+    pub model_step_s: f64,
     /// What is to be said of every recording.
     pub notes: Vec<Note>,
 }

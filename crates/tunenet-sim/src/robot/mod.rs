@@ -41,6 +41,7 @@ pub(crate) mod rig;
 mod signal;
 mod stated_gravity;
 mod stated_motor;
+mod step_error;
 pub(crate) mod trajectory;
 mod two_masses;
 mod wiring;

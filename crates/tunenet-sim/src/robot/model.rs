@@ -103,8 +103,8 @@ impl Rollouts for RobotModel {
 
     fn examine(&self, prepared: Box<Prepared>) -> Result<Preparation> {
         let setup = prepared.circumstances.as_ref().map_or(0, |known| known.setup);
-        let joints = self.rigs.get(setup).map_or(&[][..], |rig| &rig.joints);
-        examine::examine(&self.layout, joints, prepared)
+        let (joints, step_s) = self.rigs.get(setup).map_or((&[][..], 0.0), |rig| (&rig.joints, rig.step_s));
+        examine::examine(&self.layout, (joints, step_s), prepared)
     }
 
     fn simulate(&self, run: &Run, values: &mut [f64]) -> RolloutResult {

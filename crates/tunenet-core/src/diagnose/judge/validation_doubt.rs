@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, is_required};
@@ -13,7 +14,7 @@ use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::information_criterion::likelihood_gain;
 use crate::simulator::Text;
-use crate::statistics::NORMAL_95;
+use crate::statistics::{NORMAL_95, root_mean_square};
 
 /// The right effects leave of held-out recordings no more than this many times what they leave of those that were fitted. Over 600
 /// blind sets 99 % of the right names stay below 1.09, and wrong ones exceed 1.25.
@@ -41,6 +42,9 @@ const REMAINS: f64 = 3.0;
 /// Of the same: effects that leave structure explain at least this share of the mean square that held-out recordings have beyond noise.
 /// Friction that gives way, as a simulator smooths it, is in no catalogue, and the nearest effect explains a third of it.
 const EXPLAINED: f64 = 0.5;
+
+/// Of the same: effects that leave more than this share of what is left of held-out recordings without them do next to nothing there.
+const CONFIRMING: f64 = 0.99;
 
 /// So many effects or more are named together only by at least this many recordings for each.
 const MANY_EFFECTS: usize = 3;
@@ -88,8 +92,10 @@ pub enum Doubt {
     OneSetup,
     /// A single motion shows them; in words.
     SingleMotion(&'static str),
-    /// No held-out recording confirms them.
+    /// Held-out recordings do not confirm them.
     Unconfirmed,
+    /// They do less than another step of the integration.
+    WithinStepError,
 }
 
 impl Doubt {
@@ -107,6 +113,8 @@ impl Doubt {
                 | Self::Feigned(..)
                 | Self::Imitated(..)
                 | Self::HeldOutUnexplained
+                | Self::Unconfirmed
+                | Self::WithinStepError
         )
     }
 }
@@ -141,7 +149,8 @@ impl fmt::Display for Doubt {
                 "the recordings have one setup, in which effects of one channel can imitate those of another"
             }
             Self::SingleMotion(words) => words,
-            Self::Unconfirmed => "no held-out recording confirms it",
+            Self::Unconfirmed => "held-out recordings do not confirm it",
+            Self::WithinStepError => "it explains less than half a step of the integration moves the joints by",
         };
         f.write_str(text)
     }
@@ -179,6 +188,7 @@ pub(in crate::diagnose) fn validation_doubt(
         let imitated = feigned().filter(|_| one_setup);
         let doubt = imitated.map(|(name, by)| Doubt::Imitated(name, by));
         let doubt = doubt.or_else(|| other_setups((before, after), fitted));
+        let doubt = doubt.or_else(|| is_within_step_error(context, found).then_some(Doubt::WithinStepError));
         let doubt = doubt.or_else(|| unconfirmed(context, found, before?, after?).filter(|_| !practical));
         let doubt = doubt.or_else(|| Some(Doubt::Weak(undetermined(context, best)?)));
         if practical || doubt.is_some() {
@@ -262,7 +272,7 @@ fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &H
         // What a mean of correlated values is worth in independent ones.
         (1.0 - rho) / (1.0 + rho) * likelihood_gain(count, square(before), square(after))
     };
-    if gain(before) < context.settings.margin {
+    if gain(before) < context.settings.margin || after.rmse > CONFIRMING * before.rmse {
         return Some(Doubt::Unconfirmed);
     }
     let effects = &best.structure.effects;
@@ -274,6 +284,24 @@ fn unconfirmed(context: &Context, found: &Selection, before: &HeldOut, after: &H
     };
     let found = effects.iter().filter(|_| effects.len() > 1).find(weak)?;
     Some(Doubt::Weak(context.catalogue[*found].name.clone()))
+}
+
+/// Of the same: whether effects explain less of every channel, root mean square, than what it moves in half a step of the integration:
+/// recordings that another simulator made differ by as much from this one.
+fn is_within_step_error(context: &Context, found: &Selection) -> bool {
+    let left = |model: &Hypothesis| context.joint(&model.structure).plain_residuals(&model.fit.point).ok();
+    let with = found.best.as_ref().and_then(left);
+    let (Some(without), Some(with)) = (left(&found.base), with) else { return false };
+    let width = context.recordings().first().map_or(0, PreparedRecording::width);
+    let square = |all: &[Vec<f64>], channel: usize| {
+        root_mean_square(all.iter().flat_map(|values| values.iter().skip(channel).step_by(width).copied())).powi(2)
+    };
+    width > 0
+        && (0..width).all(|channel| {
+            let explained = (square(&without, channel) - square(&with, channel)).max(0.0).sqrt();
+            let of = |recording: &PreparedRecording| Some(*recording.prepared.step_error.as_ref()?.get(channel)?);
+            context.recordings().iter().all(|recording| of(recording).is_some_and(|error| explained < error))
+        })
 }
 
 /// Of several effects, one of which no coefficient lies farther from its absence than its standard error allows.
@@ -398,6 +426,20 @@ mod tests {
             // Of 16 beyond 9, after the effect 7.
             assert!(!less(5.0, 4.0) && less(5.0, 4.2) && !less(5.0, 2.0));
             assert!(!explains_less_than_half((None, None), 3.0));
+        });
+    }
+
+    /// What an effect explains is more than half a step of the integration moves, or less.
+    #[test]
+    fn an_effect_within_the_error_of_a_step_is_in_doubt() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
+            let within = |error: Option<f64>| {
+                let mut evidence = Evidence::clone(&context.evidence);
+                evidence.training.iter_mut().for_each(|one| one.prepared.step_error = error.map(|error| vec![error]));
+                is_within_step_error(&context.with_evidence(evidence), &found)
+            };
+            assert_eq!([Some(1e-4), Some(1.0), None].map(within), [false, true, false]);
         });
     }
 

@@ -59,6 +59,7 @@ fn robot(model: Model, masses: Vec<Mass>, joints: Vec<JointNumbers>, effects: &[
         follows: vec![true; n],
         limits: vec![[f64::NEG_INFINITY, f64::INFINITY]; n],
         command_ranges: vec![None; n],
+        model_step_s: 0.0,
         notes: Vec::new(),
     };
     RobotModel::new(vec![Rig::new(model, masses, (9.81, [0.0; 2]), joints, step_s)], layout)
