@@ -60,6 +60,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         typical: c.typical.unwrap_or(c.max - c.min),
         number: None,
         shape: false,
+        channels: None,
     };
     let coefficients = candidate.coefficients.iter().map(one).collect();
     Effect {

@@ -53,7 +53,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let model = chain(file, &whole)?;
     let order = order(file, &model)?;
     let motors = motors::of_joints(file, &whole, described.as_ref(), &order)?;
-    let parameters = file.parameters()?;
+    let mut parameters = file.parameters()?;
     let starts = starts(scene, &order);
     let follows: Vec<bool> = order.iter().map(|(_, joint)| joint.drive == Drive::Position).collect();
     let one_setup = files.len() == 1 && follows.contains(&true);
@@ -84,7 +84,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         let entry = in_units_of_joints(effect.entry(&names, tuned), &slides);
         motors::with_limits_reached(with_damping_left(entry, &damping), &motors)
     };
-    let entries: Vec<Effect> = effects.iter().map(entry).collect();
+    let mut entries: Vec<Effect> = effects.iter().map(entry).collect();
     let layout = Layout {
         command_ranges: motors::command_ranges(&motors, &order, &roles, &parameters),
         roles,
@@ -109,6 +109,13 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         states.push(states_of(other, &starts)?);
     }
     let channels = declared::channels(file)?;
+    let of_joint = |joint: usize| channels_of(&layout.readings, joint);
+    for (parameter, role) in parameters.iter_mut().zip(&layout.roles) {
+        parameter.channels = of_joint(role.joint);
+    }
+    for coefficient in entries.iter_mut().flat_map(|entry| &mut entry.coefficients) {
+        coefficient.channels = coefficient.number.and_then(|number| of_joint(number.checked_sub(1)?));
+    }
     let mut simulator = Declared::new(RobotModel::new(rigs, layout), parameters, channels).setups(states);
     for (effect, entry) in effects.iter().zip(entries) {
         simulator = match given(effect.name) {
@@ -141,6 +148,13 @@ fn with_damping_left(mut entry: Effect, damping: &[f64]) -> Effect {
         }
     }
     entry
+}
+
+/// The channels that are read of a joint; `None` where nothing is: what moves it shows in others alone.
+fn channels_of(readings: &[Reading], joint: usize) -> Option<Vec<usize>> {
+    let of = |(channel, reading): (usize, &Reading)| (reading.joint == joint).then_some(channel);
+    let own: Vec<usize> = readings.iter().enumerate().filter_map(of).collect();
+    (!own.is_empty()).then_some(own)
 }
 
 /// Which number of which joint each parameter is.

@@ -1,11 +1,12 @@
-//! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds, in its secant version: between derivatives that are
-//! measured, those in use follow the residuals by Broyden's rank-one formula (Madsen, Nielsen and Tingleff 2004, section 3.5).
+//! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds, in its secant version (Madsen, Nielsen and Tingleff 2004,
+//! section 3.5): between derivatives that are measured, those in use [follow](super::derivatives) the residuals.
 
 use nalgebra::DVector;
 
 use super::block_arrow::Arrow;
+use super::derivatives::{Exact, Origin, column_count, derivatives, secant};
 use super::huber::huber_cost;
-use super::jacobian::{Columns, jacobian};
+use super::jacobian::Columns;
 use super::normal_equations::{hold_at_bounds, normal_equations};
 use super::problem::{LeastSquares, Point, distance, prior_cost, residuals as residuals_at};
 use crate::{Error, Result};
@@ -115,7 +116,8 @@ pub(crate) fn minimise(
         exact.moved_sds = 0.0;
     }
     let mut columns = first;
-    let (mut measured, mut derived, mut cut_short) = (settings.first_measured, 0, false);
+    let mut origin = if settings.first_measured { Origin::Measured } else { Origin::Followed };
+    let (mut confirms, mut derived, mut cut_short) = (false, 0, false);
     let mut equations = None;
     while steps < settings.steps {
         let scale = problem.scale(&residuals);
@@ -128,32 +130,37 @@ pub(crate) fn minimise(
                 break;
             }
             None => {
-                (measured, derived) = (true, derived + 1);
-                let known = derivatives(problem, &point, &residuals, &mut rollouts)?;
-                if resolves {
+                origin = if problem.is_separable() && !confirms { Origin::Grouped } else { Origin::Measured };
+                derived += 1;
+                let known = derivatives(problem, &point, &residuals, origin, &mut rollouts)?;
+                if resolves && origin == Origin::Measured {
                     exact = Exact { columns: Some(known.clone()), moved_sds: 0.0 };
                 }
                 known
             }
         };
+        let ends = origin.may_end(settings.ends_measured);
         let linear = linearised(problem, &point, &residuals, &known, scale);
         let square = mean_square(&residuals, cost);
         let negligible = (settings.resolution.powi(2) * square).max(2.0 * settings.tolerance);
         if resolves && Step::damped(&linear, damping.min(LIGHT_DAMPING)).promised <= negligible {
             equations = Some(linear);
-            if measured || !settings.ends_measured {
+            if ends || !settings.ends_measured {
                 break;
             }
+            confirms = true;
             continue;
         }
-        let trial = Trial { problem, point: &point, linear: &linear, cost, scale, negligible, settings, measured };
+        let followed = origin == Origin::Followed;
+        let trial = Trial { problem, point: &point, linear: &linear, cost, scale, negligible, settings, followed };
         let (improved, short) = trial.improved(&mut damping, &mut rollouts)?;
         cut_short |= short;
         equations = Some(linear);
         let Some(Improved { point: candidate, residuals: new, gain, promised }) = improved else {
-            if measured || cut_short {
+            if ends || cut_short {
                 break;
             }
+            confirms |= origin == Origin::Grouped;
             continue;
         };
         let still = distance(problem, &point, &candidate) < settings.still;
@@ -172,17 +179,18 @@ pub(crate) fn minimise(
         seen(&point, &residuals);
         steps += 1;
         damping = (damping / 10.0).max(settings.least_damping);
-        if arrived && (measured || trusted && !settings.ends_measured) {
+        if arrived && (ends || trusted && !settings.ends_measured) {
             break;
         }
-        measured = holds;
+        confirms |= arrived;
+        origin = if holds { Origin::Measured } else { Origin::Followed };
     }
     let equations = match (equations, columns) {
         (Some(known), _) => known,
         (None, Some(known)) => linearised(problem, &point, &residuals, &known, problem.scale(&residuals)),
         (None, None) if cut_short => return Err(problem.unaffordable()),
         (None, None) => {
-            let known = derivatives(problem, &point, &residuals, &mut rollouts)?;
+            let known = derivatives(problem, &point, &residuals, Origin::Measured, &mut rollouts)?;
             linearised(problem, &point, &residuals, &known, problem.scale(&residuals))
         }
     };
@@ -219,8 +227,8 @@ struct Trial<'a> {
     /// A promise of no more than this is not worth a rollout.
     negligible: f64,
     settings: &'a Settings,
-    /// Whether the derivatives were measured at the point.
-    measured: bool,
+    /// Whether the derivatives followed the steps, instead of being measured at the point.
+    followed: bool,
 }
 
 /// A step that did not make the cost worse.
@@ -265,7 +273,7 @@ impl Trial<'_> {
                     break;
                 }
             }
-            if !self.measured {
+            if self.followed {
                 break;
             }
             *damping *= growth;
@@ -277,68 +285,10 @@ impl Trial<'_> {
     }
 }
 
-/// Derivatives as they were measured, and how far the fit has gone since, in standard deviations of the estimate.
-struct Exact {
-    columns: Option<Vec<Columns>>,
-    moved_sds: f64,
-}
-
-impl Exact {
-    fn none() -> Self {
-        Self { columns: None, moved_sds: f64::INFINITY }
-    }
-}
-
 /// The mean square of the residuals at this cost.
 fn mean_square(residuals: &[Vec<f64>], cost: f64) -> f64 {
     let count: usize = residuals.iter().map(Vec::len).sum();
     (2.0 * cost / count.max(1) as f64).max(LEAST_SQUARE)
-}
-
-/// How many rollouts the derivatives take.
-fn column_count(problem: &dyn LeastSquares) -> usize {
-    let count = |&d: &usize| problem.touched(d).len() + problem.nuisances(d).len();
-    problem.recordings().iter().map(count).sum()
-}
-
-/// The derivatives at a point by as many rollouts as there are columns.
-fn derivatives(
-    problem: &dyn LeastSquares,
-    point: &Point,
-    residuals: &[Vec<f64>],
-    rollouts: &mut usize,
-) -> Result<Vec<Columns>> {
-    let columns = jacobian(problem, point, residuals)?;
-    *rollouts += columns.iter().map(Columns::count).sum::<usize>();
-    Ok(columns)
-}
-
-/// Derivatives of which the last step's change of the residuals is true (Broyden 1965), steps measured in shares of the bounds.
-fn secant(
-    problem: &dyn LeastSquares,
-    mut columns: Vec<Columns>,
-    (from, to): (&Point, &Point),
-    (before, after): (&[Vec<f64>], &[Vec<f64>]),
-) -> Vec<Columns> {
-    for (k, (one, &d)) in columns.iter_mut().zip(problem.recordings()).enumerate() {
-        let shared = one.indices.iter().map(|&i| (to.parameters[i] - from.parameters[i], problem.parameter(i).span()));
-        let own = problem.nuisances(d).iter().enumerate();
-        let own = own.map(|(i, p)| (to.nuisances[d][i] - from.nuisances[d][i], p.span()));
-        let steps: Vec<(f64, f64)> = shared.chain(own).collect();
-        let square: f64 = steps.iter().map(|(step, span)| (step / span).powi(2)).sum();
-        if !square.is_normal() {
-            continue;
-        }
-        let mut missing: Vec<f64> = after[k].iter().zip(&before[k]).map(|(after, before)| after - before).collect();
-        for (column, (step, _)) in one.shared.iter().chain(&one.nuisances).zip(&steps) {
-            missing.iter_mut().zip(column).for_each(|(missing, slope)| *missing -= slope * step);
-        }
-        for (column, (step, span)) in one.shared.iter_mut().chain(&mut one.nuisances).zip(&steps) {
-            let share = step / span.powi(2) / square;
-            column.iter_mut().zip(&missing).for_each(|(slope, missing)| *slope += share * missing);
-        }
-    }
-    columns
 }
 
 /// The normal equations at a point, what pushes against a bound held there.
@@ -400,6 +350,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::jacobian::tests::Coupled;
     use crate::estimate::problem::tests::Lines;
 
     fn fitted(lines: &Lines, settings: &Settings) -> (Minimum, usize) {
@@ -434,6 +385,20 @@ mod tests {
         assert!((found.equations.covariance()[(0, 0)] - 0.2).abs() < 1e-6);
     }
 
+    /// With derivatives that leave out what crosses, a fit ends where one with all of them does, by fewer rollouts, and the last are measured.
+    #[test]
+    fn grouped_derivatives_lead_to_the_same_minimum() {
+        for share in [0.0, 0.2] {
+            let problem = Coupled::new(share);
+            let left = residuals_at(&problem, &Coupled::start()).unwrap();
+            let found = minimise(&problem, Coupled::start(), left, None, &Settings::EXACT, &mut |_, _| {}).unwrap();
+            let near = |(found, truth): (&f64, f64)| (found - truth).abs() < 1e-6;
+            assert!(found.point.parameters.iter().zip(Coupled::TRUE).all(near), "{share}: {:?}", found.point);
+            let counted = problem.rollouts.load(std::sync::atomic::Ordering::Relaxed);
+            assert_eq!(found.rollouts + 1, counted);
+        }
+    }
+
     /// Only steps in a row count, and only in a fit that is resolved no farther than answers show.
     #[test]
     fn slow_steps_end_a_resolved_fit_alone() {
@@ -455,30 +420,6 @@ mod tests {
         // The second step follows the derivatives of the first, so that a third has to confirm it.
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { ends_measured: true, ..two }).1, 3);
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { small_steps: 1, ..two }).1, 1);
-    }
-
-    /// From derivatives that are wrong by a factor, those along the step become right, and those across it stay.
-    #[test]
-    fn secant_derivatives_repeat_the_last_step() {
-        let lines = Lines::new(1.5, &[2.0]);
-        let from = lines.start();
-        let mut to = from.with(&[1], &[0.5]);
-        to.nuisances[0][0] += 0.25;
-        let (before, after) = (residuals_at(&lines, &from).unwrap(), residuals_at(&lines, &to).unwrap());
-        let mut wrong = jacobian(&lines, &from, &before).unwrap();
-        wrong[0].shared[0].iter_mut().for_each(|slope| *slope *= 3.0);
-        let (step, level) = (to.parameters[1] - from.parameters[1], to.nuisances[0][0] - from.nuisances[0][0]);
-        let spans = [lines.parameter(1).span(), lines.nuisances(0)[0].span()];
-        // Across the step in shares of the bounds.
-        let across = [-level / spans[1] * spans[0], step / spans[0] * spans[1]];
-        let along = |columns: &[Columns], i: usize, [a, b]: [f64; 2]| {
-            a * columns[0].shared[0][i] + b * columns[0].nuisances[0][i]
-        };
-        let right = secant(&lines, wrong.clone(), (&from, &to), (&before, &after));
-        for i in 0..before[0].len() {
-            assert!((along(&right, i, [step, level]) - (after[0][i] - before[0][i])).abs() < 1e-9);
-            assert!((along(&right, i, across) - along(&wrong, i, across)).abs() < 1e-9);
-        }
     }
 
     #[test]

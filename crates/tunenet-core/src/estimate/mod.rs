@@ -4,7 +4,8 @@
 //! | file | textbook name |
 //! |---|---|
 //! | `problem` | nonlinear least squares with shared and nuisance parameters |
-//! | `jacobian` | forward differences, one-sided at a bound |
+//! | `jacobian` | forward differences, one-sided at a bound; by groups of columns |
+//! | `derivatives` | Broyden's rank-one update |
 //! | `huber` | M-estimate of regression |
 //! | `normal_equations`, `block_arrow` | Gauss–Newton equations; bordered block-diagonal solve |
 //! | `levenberg_marquardt` | Levenberg–Marquardt |
@@ -29,6 +30,7 @@ pub(crate) mod canonical_correlation;
 pub(crate) mod cluster_robust;
 mod contour;
 mod contour_ray;
+mod derivatives;
 pub(crate) mod huber;
 mod information;
 pub(crate) mod information_criterion;

@@ -90,6 +90,17 @@ pub(crate) trait LeastSquares: Sync {
         DIFFERENCE_STEP * self.parameter(position).span()
     }
 
+    /// How many channels the recordings have.
+    fn width(&self) -> usize {
+        1
+    }
+
+    /// Whether parameters that act directly on channels of their own do so little to the others that a rollout shows the derivatives by
+    /// several of them.
+    fn is_separable(&self) -> bool {
+        false
+    }
+
     /// Curvature that is added to a shared parameter, so that one on which the data are silent stays put.
     fn ridge(&self, _position: usize) -> f64 {
         0.0

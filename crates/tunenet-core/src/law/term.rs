@@ -212,7 +212,7 @@ impl Term {
             let absent = if role.is_none() { 0.0 } else { min };
             let typical = 0.1 * (max - min);
             let (key, unit) = (Cow::Owned(key), Cow::Owned(unit));
-            Coefficient { key, unit, absent, min, max, typical, number: None, shape: role.is_some() }
+            Coefficient { key, unit, absent, min, max, typical, number: None, shape: role.is_some(), channels: None }
         });
         let effect = Effect::new(name, Phase::Segment, "a law that the recordings show", coefficients.collect());
         Carried { term: self.clone(), effect }

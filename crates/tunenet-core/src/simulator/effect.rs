@@ -50,6 +50,9 @@ pub struct Coefficient {
     pub number: Option<usize>,
     /// Whether it only shapes the effect (a width, a place) and cannot switch it off: fits begin at several of its values.
     pub shape: bool,
+    /// As [`Parameter::channels`].
+    #[serde(skip)]
+    pub channels: Option<Vec<usize>>,
 }
 
 impl Coefficient {
@@ -58,7 +61,7 @@ impl Coefficient {
     #[must_use]
     pub const fn new(key: &'static str, unit: &'static str, absent: f64, (min, max): (f64, f64), typical: f64) -> Self {
         let (key, unit) = (Cow::Borrowed(key), Cow::Borrowed(unit));
-        Self { key, unit, absent, min, max, typical, number: None, shape: false }
+        Self { key, unit, absent, min, max, typical, number: None, shape: false, channels: None }
     }
 
     /// The same as number `number` of several, from 1.
@@ -234,7 +237,8 @@ impl Effect {
     pub fn parameters(&self, values: Option<&[f64]>) -> Result<Vec<Parameter>> {
         let value = |i: usize| values.map_or(self.coefficients[i].absent, |v| v[i]);
         let one = |(i, c): (usize, &Coefficient)| {
-            Parameter::new(self.parameter_name(i), c.unit.as_ref(), value(i), c.min, c.max)
+            let parameter = Parameter::new(self.parameter_name(i), c.unit.as_ref(), value(i), c.min, c.max)?;
+            Ok(Parameter { channels: c.channels.clone(), ..parameter })
         };
         self.coefficients.iter().enumerate().map(one).collect()
     }

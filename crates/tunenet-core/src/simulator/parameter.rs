@@ -25,6 +25,10 @@ pub struct Parameter {
     /// Of a value that is not tuned and was itself measured, a calibrated torque gain say: its 95 % interval. Intervals of what
     /// is tuned with it allow for it. `None` where the value is exact.
     pub known95: Option<(f64, f64)>,
+    /// Channels on which it acts directly, those of its joint say, where it reaches the others only through what moves there; `None`
+    /// where it may act on any. Where others hardly move, derivatives by parameters of different channels share a rollout.
+    #[serde(skip)]
+    pub channels: Option<Vec<usize>>,
 }
 
 impl Parameter {
@@ -44,7 +48,7 @@ impl Parameter {
         if !(min..=max).contains(&value) {
             return Err(Error::Parameter { name, expected: format!("{min} to {max}"), found: format!("{value}") });
         }
-        Ok(Self { name, unit: unit.into(), value, min, max, tune: true, known95: None })
+        Ok(Self { name, unit: unit.into(), value, min, max, tune: true, known95: None, channels: None })
     }
 
     /// The width of the bounds.

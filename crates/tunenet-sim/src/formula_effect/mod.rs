@@ -225,6 +225,7 @@ fn entry(name: &str, candidate: &Candidate, directions: usize) -> Effect {
             typical: c.typical.unwrap_or(share * (c.max - c.min)),
             number: None,
             shape: c.absent.is_none(),
+            channels: None,
         };
         let plausible = c.plausible.unwrap_or((c.min, c.max));
         if candidate.per_direction.contains(key) && directions > 1 {

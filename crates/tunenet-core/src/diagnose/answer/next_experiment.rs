@@ -168,7 +168,7 @@ fn gaps(
     let structure = context.structure(&effects)?;
     let parameters = structure.carry(&best.structure, &best.fit.point.parameters);
     let columns = |recordings: &[PreparedRecording], nuisances: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
-        let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
+        let joint = Joint { structure: &structure, recordings, separable: false, rollouts: &context.rollouts };
         let point = Point { parameters: parameters.clone(), nuisances };
         let residuals = joint.residuals(&point, 1.0)?;
         let lengths = residuals.iter().map(Vec::len).collect();

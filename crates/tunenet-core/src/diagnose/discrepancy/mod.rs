@@ -4,12 +4,14 @@
 //! | module | what |
 //! |---|---|
 //! | `scale` | the discrepancy as noise: its size, and how many values count |
+//! | `coupling` | whether a rollout shows derivatives by parameters of several joints |
 //! | `null` | the simulation without effects, from several starts |
 //! | `score` | candidates by a score test with steps of visible size |
 //! | `selection_step` | candidates fitted in addition to a hypothesis, and back-substitution |
 //! | `wide_search` | candidates from starts across their bounds, where none is found from where they are absent |
 //! | `selection` | forward selection with a gate of held-out recordings |
 
+mod coupling;
 mod null;
 mod scale;
 mod score;
@@ -17,6 +19,7 @@ mod selection;
 mod selection_step;
 mod wide_search;
 
+pub(in crate::diagnose) use coupling::with_groups;
 pub(in crate::diagnose) use null::{better_null, fit_null, lower_null};
 pub(in crate::diagnose) use scale::is_far_above_noise;
 pub(in crate::diagnose) use selection::{Gated, search_gated};

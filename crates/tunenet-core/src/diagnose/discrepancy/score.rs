@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::diagnose::hypothesis::candidate_scores::LEFT_OVER;
+use crate::diagnose::hypothesis::candidate_scores::{CLEARLY_LEFT, LEFT_OVER};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::plausibility::Exclusion;
@@ -70,22 +70,37 @@ pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Sc
 
 /// Whether the slopes at absence of all coefficients that have one are those of parameters: the effect is another name of these.
 fn is_held(joint: &Joint, point: &Point, (model, known): (&Hypothesis, usize), projector: &Projector) -> bool {
-    let mut sloped = false;
-    for (k, shared) in joint.structure.shared.iter().enumerate().skip(known) {
+    let slight = |k: usize| {
+        let shared = &joint.structure.shared[k];
         let typical = shared.absent.map_or(1.0, |(_, typical)| typical);
         let (low, high) = (shared.parameter.min, shared.parameter.max);
         let step = if point.parameters[k] + SLIGHT * typical <= high { SLIGHT } else { -SLIGHT } * typical;
-        let mut tried = point.clone();
-        tried.parameters[k] = (point.parameters[k] + step).clamp(low, high);
-        let Ok(found) = joint.residuals(&tried, 1.0) else { return false };
-        let own = model.fit.residuals.iter().flatten();
-        let mut column: Vec<f64> = found.iter().flatten().zip(own).map(|(new, old)| new - old).collect();
-        let whole = dot(&column, &column);
-        projector.project(&mut column);
-        if whole > 0.0 && dot(&column, &column) > HELD * whole {
+        (k, (point.parameters[k] + step).clamp(low, high))
+    };
+    // Whether any of these slopes leaves more than this share, and whether there is any slope.
+    let leaves = |group: &[usize], share: f64| {
+        let steps: Vec<(usize, f64)> = group.iter().map(|&k| slight(k)).collect();
+        let Ok(changes) = changes(joint, point, &model.fit.residuals, &steps) else { return (true, false) };
+        let (mut more, mut sloped) = (false, false);
+        for mut column in changes {
+            let whole = dot(&column, &column);
+            projector.project(&mut column);
+            more |= whole > 0.0 && dot(&column, &column) > share * whole;
+            sloped |= whole > 0.0;
+        }
+        (more, sloped)
+    };
+    // Slopes that share a rollout are not exact; what they leave beyond doubt spares the others.
+    if joint.separable && joint.groups(known).iter().any(|group| leaves(group, CLEARLY_LEFT).0) {
+        return false;
+    }
+    let mut sloped = false;
+    for k in known..joint.structure.shared.len() {
+        let (more, own) = leaves(&[k], HELD);
+        if more {
             return false;
         }
-        sloped |= whole > 0.0;
+        sloped |= own;
     }
     sloped
 }
@@ -100,6 +115,32 @@ fn step_to((absent, step): (f64, f64), size: f64, (low, high): (f64, f64)) -> Op
     }
     let smaller = Some(absent + SIZES[0] * step).filter(|smaller| size > SIZES[0] && within(smaller))?;
     Some(smaller.midpoint(value.clamp(low, high)))
+}
+
+/// How residuals change by each of these steps of shared parameters to these values, from one rollout of each recording: the step itself,
+/// not its slope, as what counts is its direction. Where there are several, each is what changes in the channels on which it acts directly.
+///
+/// # Errors
+/// Where the simulator refuses.
+fn changes(
+    joint: &Joint,
+    point: &Point,
+    residuals: &[Vec<f64>],
+    steps: &[(usize, f64)],
+) -> crate::Result<Vec<Vec<f64>>> {
+    let mut tried = point.clone();
+    for &(k, value) in steps {
+        tried.parameters[k] = value;
+    }
+    let found = joint.residuals(&tried, 1.0)?;
+    let (width, alone) = (joint.width(), steps.len() == 1);
+    let of = |&(k, _): &(usize, f64)| {
+        let own = joint.structure.shared[k].parameter.channels.as_deref().unwrap_or_default();
+        let shows = |i: usize| alone || own.contains(&(i % width));
+        let both = found.iter().zip(residuals).flat_map(|(new, old)| new.iter().zip(old).enumerate());
+        both.map(|(i, (new, old))| if shows(i) { new - old } else { 0.0 }).collect()
+    };
+    Ok(steps.iter().map(of).collect())
 }
 
 fn one(
@@ -139,32 +180,33 @@ fn one(
     for (sign, size) in [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| (sign, size))) {
         let mut start = at_rest.clone();
         let mut columns = Vec::new();
-        for (k, shared) in structure.shared.iter().enumerate().skip(known) {
+        let step = |k: usize| {
+            let shared = &structure.shared[k];
             let (absent, typical) = shared.absent.unwrap_or((0.0, 1.0));
-            let Some(value) = step_to((absent, sign * typical), size, (shared.parameter.min, shared.parameter.max))
-            else {
+            step_to((absent, sign * typical), size, (shared.parameter.min, shared.parameter.max))
+        };
+        for group in joint.groups(known) {
+            let steps: Vec<(usize, f64)> = group.into_iter().filter_map(|k| Some((k, step(k)?))).collect();
+            if steps.is_empty() {
                 continue;
-            };
-            let mut tried = point.clone();
-            tried.parameters[k] = value;
-            let found = match joint.residuals(&tried, 1.0) {
-                Ok(found) => found.concat(),
+            }
+            let changes = match changes(&joint, &point, &model.fit.residuals, &steps) {
+                Ok(changes) => changes,
                 Err(error) => {
                     refused = Some(Exclusion::refused(&error));
                     continue;
                 }
             };
-            // The step itself, not its slope: what counts is its direction.
-            let own = model.fit.residuals.iter().flatten();
-            let mut column: Vec<f64> = found.iter().zip(own).map(|(new, old)| new - old).collect();
-            let whole = dot(&column, &column);
-            projector.project(&mut column);
-            let rest = dot(&column, &column);
-            moved |= whole > 0.0;
-            if whole > 0.0 && rest > LEFT_OVER * whole {
-                new = true;
-                start[k - known] = value;
-                columns.push(column);
+            for ((k, value), mut column) in steps.into_iter().zip(changes) {
+                let whole = dot(&column, &column);
+                projector.project(&mut column);
+                let rest = dot(&column, &column);
+                moved |= whole > 0.0;
+                if whole > 0.0 && rest > LEFT_OVER * whole {
+                    new = true;
+                    start[k - known] = value;
+                    columns.push(column);
+                }
             }
         }
         if columns.is_empty() {

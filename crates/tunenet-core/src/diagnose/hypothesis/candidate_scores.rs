@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
-use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
+use crate::diagnose::hypothesis::multistart::best_shapes;
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::hypothesis::wording::done_already;
@@ -25,6 +25,8 @@ const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: fals
 const VISIBLE: f64 = 3.0;
 /// ... nor one of which parameters and start states can do all but this share (of squares).
 pub(in crate::diagnose) const LEFT_OVER: f64 = 1e-6;
+/// Of derivatives that share rollouts, which are off by a tenth at most, so large a share is left by none that parameters do.
+pub(in crate::diagnose) const CLEARLY_LEFT: f64 = 0.05;
 /// Candidates this far behind the best after one step, as a share of the gain and at least so many units, are not fitted.
 const BEHIND_SHARE: f64 = 0.25;
 const BEHIND: f64 = 30.0;
@@ -37,16 +39,6 @@ const ALIKE: f64 = 0.97;
 /// many times the typical size.
 const KEPT: f64 = 0.9;
 const LARGER: [f64; 2] = [6.0, 20.0];
-
-/// Values of the coefficients that shape an effect at which it is scored.
-const SHAPES: u32 = 24;
-/// From so many of them fits begin.
-const SHAPE_STARTS: usize = 3;
-/// First and last step of the search from there, as a share of the bounds.
-const FIRST_STEP: f64 = 0.1;
-const LAST_STEP: f64 = 0.02;
-/// Bounds of a shape whose ratio is larger are covered evenly in its logarithm.
-const WIDE: f64 = 10.0;
 
 /// One candidate of a selection step.
 pub(in crate::diagnose) struct CandidateFit<'a> {
@@ -161,35 +153,20 @@ fn try_score(
     let joint = context.joint(&structure);
     let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
     let mut point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
-    let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
     let shapes = best_shapes(&joint, &model.fit.residuals, &point, known, projector, left);
     if let Some(best) = shapes.first() {
         point.parameters[known..].copy_from_slice(best);
     }
     scored.others = shapes.into_iter().skip(1).collect();
     scored.start = point.parameters[known..].to_vec();
-    let mut projected = Vec::new();
-    let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
-    for visibly in [false, true] {
-        (whole, rest, seen) = (0.0, 0.0, false);
-        projected.clear();
-        let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
-        scored.columns = joint.columns(&point, &model.fit.residuals, which);
-        for (index, shared) in structure.shared.iter().enumerate().skip(known) {
-            let mut column = stack(&scored.columns, &lengths, index);
-            whole += dot(&column, &column);
-            projector.project(&mut column);
-            let size = dot(&column, &column);
-            rest += size;
-            let (absent, coefficient) = (shared.absent.map_or(0.0, |a| a.0), shared.effect.map_or(0, |e| e.1));
-            let (low, high) = context.catalogue[scored.entry].of[shared.object.unwrap_or(0)].plausible[coefficient];
-            seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
-            projected.push(column);
-        }
-        if seen {
-            break;
-        }
+    let own = |joint: &Joint| influence(context, scored.entry, (joint, &point, known), model, projector);
+    let mut found = own(&joint);
+    // Derivatives that share rollouts do not show whether parameters do all of it.
+    if joint.separable && found.rest <= CLEARLY_LEFT * found.whole {
+        found = own(&Joint { separable: false, ..joint });
     }
+    let Influence { columns, projected, whole, rest, seen } = found;
+    scored.columns = columns;
     if whole <= 0.0 {
         scored.excluded = Some(Exclusion::NoInfluence);
     } else if rest <= LEFT_OVER * whole {
@@ -212,69 +189,48 @@ fn try_score(
     Ok(())
 }
 
-/// Values of an effect's coefficients at which its columns explain most, best first: variable projection (Golub and Pereyra
-/// 1973) over Halton's points of those that only shape it, the best of them improved by a compass search (Kolda, Lewis and
-/// Torczon 2003). None where no coefficient only shapes it.
-fn best_shapes(
-    joint: &Joint,
-    residuals: &[Vec<f64>],
-    point: &Point,
-    known: usize,
+/// What a candidate's coefficients do to the residuals.
+struct Influence {
+    columns: Vec<Columns>,
+    /// The columns, stacked, without what the parameters of the model do.
+    projected: Vec<Vec<f64>>,
+    /// The sum of squares of the columns, and of the projected ones.
+    whole: f64,
+    rest: f64,
+    /// Whether one of them can be seen within the physical bounds.
+    seen: bool,
+}
+
+/// The influence of the coefficients from `known` on at `point`: by small steps, and where that is not seen by visible ones.
+fn influence(
+    context: &Context<'_>,
+    entry: usize,
+    (joint, point, known): (&Joint, &Point, usize),
+    model: &Hypothesis,
     projector: &Projector,
-    left: &[f64],
-) -> Vec<Vec<f64>> {
-    let shared = &joint.structure.shared;
-    let shapes: Vec<usize> = (known..shared.len()).filter(|&index| shared[index].shape).collect();
-    if shapes.is_empty() {
-        return Vec::new();
-    }
-    let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
-    let at = |shares: &[f64]| {
-        let mut tried = point.clone();
-        for (&index, share) in shapes.iter().zip(shares) {
-            let (min, max) = (shared[index].parameter.min, shared[index].parameter.max);
-            let wide = min > 0.0 && max > WIDE * min;
-            tried.parameters[index] = if wide { min * (max / min).powf(*share) } else { min + share * (max - min) };
-        }
-        tried
-    };
-    let explained = |shares: &[f64]| -> f64 {
-        let which = Which { first: known, nuisances: false, ..Which::ALL };
-        let columns = joint.columns_of(&at(shares), residuals, which, |index| !shapes.contains(index));
-        let sizes = (known..shared.len()).filter(|index| !shapes.contains(index));
-        let projected = sizes.map(|index| {
-            let mut column = stack(&columns, &lengths, index);
+) -> Influence {
+    let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
+    let mut found = Influence { columns: Vec::new(), projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
+    for visibly in [false, true] {
+        let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
+        let columns = joint.columns(point, &model.fit.residuals, which);
+        found = Influence { columns, projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
+        for (index, shared) in joint.structure.shared.iter().enumerate().skip(known) {
+            let mut column = stack(&found.columns, &lengths, index);
+            found.whole += dot(&column, &column);
             projector.project(&mut column);
-            column
-        });
-        orthonormal(projected.collect()).iter().map(|direction| dot(direction, left).powi(2)).sum()
-    };
-    let mut all: Vec<(f64, Vec<f64>)> = (1..=SHAPES)
-        .map(|number| {
-            let shares: Vec<f64> =
-                (0..shapes.len()).map(|k| radical_inverse(number, PRIMES[k % PRIMES.len()])).collect();
-            (explained(&shares), shares)
-        })
-        .collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.truncate(SHAPE_STARTS);
-    for (most, shares) in &mut all {
-        let mut step = FIRST_STEP;
-        while step >= LAST_STEP {
-            let moves = (0..shares.len()).flat_map(|k| [(k, step), (k, -step)]);
-            let tried = moves.map(|(k, by)| {
-                let mut moved = shares.clone();
-                moved[k] = (moved[k] + by).clamp(0.0, 1.0);
-                (explained(&moved), moved)
-            });
-            match tried.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(value, _)| *value > *most) {
-                Some(better) => (*most, *shares) = better,
-                None => step *= 0.5,
-            }
+            let size = dot(&column, &column);
+            found.rest += size;
+            let (absent, coefficient) = (shared.absent.map_or(0.0, |a| a.0), shared.effect.map_or(0, |e| e.1));
+            let (low, high) = context.catalogue[entry].of[shared.object.unwrap_or(0)].plausible[coefficient];
+            found.seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
+            found.projected.push(column);
+        }
+        if found.seen {
+            break;
         }
     }
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.iter().map(|(_, shares)| at(shares).parameters[known..].to_vec()).collect()
+    found
 }
 
 /// A hypothesis and one of its candidates, linearised about the fit of the hypothesis.

@@ -51,6 +51,8 @@ pub(in crate::diagnose) struct Context<'a> {
     pub spared: Arc<[(usize, usize)]>,
     /// Whether what is physically required is part of every hypothesis from the start.
     pub required_first: bool,
+    /// Whether a rollout shows derivatives by parameters of several channels: these hardly act on each other's.
+    pub separable: bool,
     /// Counts rollouts against the allowance.
     pub rollouts: RolloutLog,
 }
@@ -95,6 +97,7 @@ impl<'a> Context<'a> {
             given: Arc::new([]),
             spared: Arc::new([]),
             required_first: false,
+            separable: false,
             rollouts: RolloutLog::default(),
         }
     }
@@ -115,7 +118,7 @@ impl<'a> Context<'a> {
     }
 
     pub fn joint<'b>(&'b self, structure: &'b Structure<'b>) -> Joint<'b> {
-        Joint { structure, recordings: self.recordings(), rollouts: &self.rollouts }
+        Joint { structure, recordings: self.recordings(), separable: self.separable, rollouts: &self.rollouts }
     }
 
     pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {

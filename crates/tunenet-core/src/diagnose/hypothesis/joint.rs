@@ -9,7 +9,7 @@ use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
-use crate::estimate::jacobian::{Columns, jacobian};
+use crate::estimate::jacobian::{Columns, grouped, grouped_jacobian, jacobian};
 use crate::estimate::levenberg_marquardt::{Settings, minimise};
 use crate::estimate::problem::{
     DIFFERENCE_STEP, LeastSquares, leading_samples, prior_cost, residuals as residuals_at, robust_scale,
@@ -122,6 +122,8 @@ pub(in crate::diagnose) struct Part {
 pub(in crate::diagnose) struct Joint<'a> {
     pub structure: &'a Structure<'a>,
     pub recordings: &'a [PreparedRecording],
+    /// Whether a rollout shows derivatives by parameters of several channels.
+    pub separable: bool,
     /// Counts rollouts against the allowance.
     pub rollouts: &'a RolloutLog,
 }
@@ -181,6 +183,14 @@ impl LeastSquares for Portion<'_> {
         }
     }
 
+    fn width(&self) -> usize {
+        self.joint.width()
+    }
+
+    fn is_separable(&self) -> bool {
+        self.joint.separable
+    }
+
     /// A coefficient on which the data are silent stays put.
     fn ridge(&self, position: usize) -> f64 {
         let shared = &self.joint.structure.shared[position];
@@ -202,6 +212,22 @@ impl LeastSquares for Portion<'_> {
 }
 
 impl Joint<'_> {
+    /// How many channels the recordings have.
+    pub fn width(&self) -> usize {
+        self.recordings.first().map_or(1, PreparedRecording::width)
+    }
+
+    /// Of columns from `first` on, those that one rollout shows, so that each group is one.
+    pub fn groups(&self, first: usize) -> Vec<Vec<usize>> {
+        let columns: Vec<usize> = (first..self.structure.shared.len()).collect();
+        if !self.separable {
+            return columns.into_iter().map(|column| vec![column]).collect();
+        }
+        let own = |&column: &usize| self.structure.shared[column].parameter.channels.as_deref();
+        let groups = grouped(&columns.iter().map(own).collect::<Vec<_>>());
+        groups.into_iter().map(|group| group.into_iter().map(|position| columns[position]).collect()).collect()
+    }
+
     fn samples(&self, index: usize, horizon: f64) -> usize {
         leading_samples(self.recordings[index].clock().len(), horizon)
     }
@@ -247,7 +273,13 @@ impl Joint<'_> {
         let mut part = self.whole();
         part.columns.retain(|column| *column >= which.first && wanted(column));
         // Flat where refused, so that there is no error.
-        jacobian(&Portion { joint: self, part: &part, which }, point, residuals).unwrap_or_default()
+        let portion = Portion { joint: self, part: &part, which };
+        let found = if self.separable {
+            grouped_jacobian(&portion, point, residuals).map(|(columns, _)| columns)
+        } else {
+            jacobian(&portion, point, residuals)
+        };
+        found.unwrap_or_default()
     }
 
     fn whole(&self) -> Part {
@@ -337,7 +369,8 @@ impl Joint<'_> {
         known: Option<Known>,
     ) -> Result<Outcome> {
         let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
-        let first_measured = known.is_none_or(|known| known.at_start);
+        // Derivatives of several parameters by one rollout are those of a point not far away.
+        let first_measured = known.is_none_or(|known| known.at_start && !self.separable);
         let settings = Settings { steps, derivatives, tolerance, ends_measured, first_measured, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {

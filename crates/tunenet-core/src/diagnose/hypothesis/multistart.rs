@@ -1,9 +1,11 @@
-//! Multistart fit of the simulation without any effect, from Halton's points where needed (Halton 1960).
+//! Multistart from Halton's points (Halton 1960): of the fit without any effect, and of coefficients that only shape an effect.
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, Which, spread};
 use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
+use crate::estimate::projection::{Projector, orthonormal, stack};
+use crate::statistics::dot;
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
@@ -20,6 +22,16 @@ const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 const SCATTERED: u32 = 48;
 /// Bases of Halton's points, one to a parameter.
 pub(in crate::diagnose) const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+
+/// Values of the coefficients that shape an effect at which it is scored.
+const SHAPES: u32 = 24;
+/// From so many of them fits begin.
+const SHAPE_STARTS: usize = 3;
+/// First and last step of the search from there, as a share of the bounds.
+const FIRST_STEP: f64 = 0.1;
+const LAST_STEP: f64 = 0.02;
+/// Bounds of a shape whose ratio is larger are covered evenly in its logarithm.
+const WIDE: f64 = 10.0;
 
 /// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
 pub(in crate::diagnose) fn radical_inverse(mut number: u32, prime: u32) -> f64 {
@@ -166,6 +178,71 @@ fn local_estimate(context: &Context<'_>, shared: &SharedParameter) -> Option<f64
     let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
     let value = each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
     value.is_finite().then(|| value.clamp(shared.parameter.min, shared.parameter.max))
+}
+
+/// Values of an effect's coefficients at which its columns explain most, best first: variable projection (Golub and Pereyra
+/// 1973) over Halton's points of those that only shape it, the best of them improved by a compass search (Kolda, Lewis and
+/// Torczon 2003). None where no coefficient only shapes it.
+pub(in crate::diagnose) fn best_shapes(
+    joint: &Joint,
+    residuals: &[Vec<f64>],
+    point: &Point,
+    known: usize,
+    projector: &Projector,
+    left: &[f64],
+) -> Vec<Vec<f64>> {
+    let shared = &joint.structure.shared;
+    let shapes: Vec<usize> = (known..shared.len()).filter(|&index| shared[index].shape).collect();
+    if shapes.is_empty() {
+        return Vec::new();
+    }
+    let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
+    let at = |shares: &[f64]| {
+        let mut tried = point.clone();
+        for (&index, share) in shapes.iter().zip(shares) {
+            let (min, max) = (shared[index].parameter.min, shared[index].parameter.max);
+            let wide = min > 0.0 && max > WIDE * min;
+            tried.parameters[index] = if wide { min * (max / min).powf(*share) } else { min + share * (max - min) };
+        }
+        tried
+    };
+    let explained = |shares: &[f64]| -> f64 {
+        let which = Which { first: known, nuisances: false, ..Which::ALL };
+        let columns = joint.columns_of(&at(shares), residuals, which, |index| !shapes.contains(index));
+        let sizes = (known..shared.len()).filter(|index| !shapes.contains(index));
+        let projected = sizes.map(|index| {
+            let mut column = stack(&columns, &lengths, index);
+            projector.project(&mut column);
+            column
+        });
+        orthonormal(projected.collect()).iter().map(|direction| dot(direction, left).powi(2)).sum()
+    };
+    let mut all: Vec<(f64, Vec<f64>)> = (1..=SHAPES)
+        .map(|number| {
+            let shares: Vec<f64> =
+                (0..shapes.len()).map(|k| radical_inverse(number, PRIMES[k % PRIMES.len()])).collect();
+            (explained(&shares), shares)
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.truncate(SHAPE_STARTS);
+    for (most, shares) in &mut all {
+        let mut step = FIRST_STEP;
+        while step >= LAST_STEP {
+            let moves = (0..shares.len()).flat_map(|k| [(k, step), (k, -step)]);
+            let tried = moves.map(|(k, by)| {
+                let mut moved = shares.clone();
+                moved[k] = (moved[k] + by).clamp(0.0, 1.0);
+                (explained(&moved), moved)
+            });
+            match tried.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(value, _)| *value > *most) {
+                Some(better) => (*most, *shares) = better,
+                None => step *= 0.5,
+            }
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.iter().map(|(_, shares)| at(shares).parameters[known..].to_vec()).collect()
 }
 
 #[cfg(test)]

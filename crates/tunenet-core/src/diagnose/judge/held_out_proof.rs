@@ -31,7 +31,7 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
         return Ok(None);
     }
     let structure = context.structure(&model.structure.effects)?.frozen(&model.fit.point.parameters);
-    let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
+    let joint = Joint { structure: &structure, recordings, separable: false, rollouts: &context.rollouts };
     let start =
         Point { parameters: Vec::new(), nuisances: recordings.iter().map(|r| r.prepared.nuisance_values()).collect() };
     let early = joint.fit(start, EARLY)?.point;

@@ -20,7 +20,8 @@ pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hyp
         if count == 0 {
             continue;
         }
-        let joint = Joint { structure: &model.structure, recordings: &shown, rollouts: &context.rollouts };
+        let joint =
+            Joint { structure: &model.structure, recordings: &shown, separable: false, rollouts: &context.rollouts };
         let point = joint.fit(model.fit.point.clone(), FULL)?.point;
         for (recording, plain) in judged.iter().zip(joint.plain_residuals(&point)?) {
             let kept = plain.iter().enumerate().filter(|(i, _)| recording.keep[*i]);

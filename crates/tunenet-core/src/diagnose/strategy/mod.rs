@@ -14,7 +14,9 @@ mod unmeasured_axes;
 mod whole_record;
 
 use crate::Result;
-use crate::diagnose::discrepancy::{Gated, better_null, fit_null, is_far_above_noise, lower_null, search_gated};
+use crate::diagnose::discrepancy::{
+    Gated, better_null, fit_null, is_far_above_noise, lower_null, search_gated, with_groups,
+};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, add_exact_twins};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -205,6 +207,7 @@ const WORSE: f64 = 1.02;
 const MOST_RETURNS: usize = 2;
 
 fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+    let context = &with_groups(context)?;
     let mut base = fit_null(context)?;
     let mut returns = 0;
     loop {

@@ -33,7 +33,7 @@ fn ambiguous(context: &Context<'_>, recordings: &[PreparedRecording]) -> Result<
         return Ok(found);
     }
     let structure = context.structure(&[])?;
-    let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
+    let joint = Joint { structure: &structure, recordings, separable: false, rollouts: &context.rollouts };
     let guess = Point {
         parameters: structure.shared.iter().map(|shared| shared.parameter.value).collect(),
         nuisances: recordings.iter().map(|r| r.prepared.nuisance_values()).collect(),

@@ -30,7 +30,7 @@ pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &H
         let nuisances =
             nuisances.cloned().unwrap_or_else(|| recordings.iter().map(|r| r.prepared.nuisance_values()).collect());
         let here = Point { parameters: base.fit.point.parameters.clone(), nuisances };
-        let joint = Joint { structure: &structure, recordings, rollouts: &context.rollouts };
+        let joint = Joint { structure: &structure, recordings, separable: false, rollouts: &context.rollouts };
         let residuals = joint.residuals(&here, 1.0)?;
         let columns = joint.columns(&here, &residuals, Which::ALL);
         for (recording, one) in recordings.iter_mut().zip(&columns) {
