@@ -59,7 +59,7 @@ pub use interval::{End, Interval, LEVEL, ScaleEstimate, ends};
 pub(crate) use interval::{UNINFORMATIVE_SHARE, curved, ends_with};
 pub(crate) use misfit_grid::{GridPoint, MisfitGrid};
 pub use noise_model::channel_noise;
-pub(crate) use noise_model::{floor, weights};
+pub(crate) use noise_model::{floor, resolution, weights};
 pub(crate) use output_error::weighted;
 pub use output_error::{Fit, Linearisation, Problem, free};
 pub use problem::Point;

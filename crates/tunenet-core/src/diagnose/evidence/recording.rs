@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::ar1_prewhitening::Filter;
-use crate::estimate::channel_noise;
+use crate::estimate::{channel_noise, resolution};
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Parameter, Prepared};
 use crate::statistics::{mad_sd, median, range};
@@ -257,5 +257,7 @@ fn noise(seen: &Observation) -> Vec<f64> {
         mad_sd(differences)
     };
     // A channel on a coarse grid may show no differences at all; then what the even clock would give stands.
-    (0..plain.len()).map(|c| Some(spread(c)).filter(|sd| *sd > 0.0).map_or(plain[c], |sd| sd.min(plain[c]))).collect()
+    let least = |c: usize| resolution(seen.kind(), &seen.column(c).collect::<Vec<f64>>());
+    let allowed = |c: usize| Some(spread(c)).filter(|sd| *sd > 0.0).map(|sd| sd.min(plain[c]).max(least(c)));
+    (0..plain.len()).map(|c| allowed(c).unwrap_or(plain[c])).collect()
 }
