@@ -238,7 +238,7 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         let floor = noise_floor(context.recordings());
         let Gated { context, found, tests } = gated;
         let practical = found.best.is_some().then_some(tests);
-        return Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? });
+        return borne_out(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? });
     }
 }
 
