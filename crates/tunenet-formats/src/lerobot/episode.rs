@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::DataSet;
 use super::index::Episode;
 use super::info::{Feature, Layout};
 use crate::findings;
-use crate::parquet::{Holds, Numbers, Parquet};
+use crate::kept::Kept;
+use crate::parquet::{Column, Holds, Numbers, Parquet};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
 use crate::shown::list;
 use crate::unstated::Unstated;
@@ -24,6 +26,45 @@ pub(super) struct Frames {
     pub numbers: Vec<f64>,
     pub names: Vec<String>,
     pub values: Vec<f64>,
+}
+
+/// Rows of a group that follow each other and belong to one episode.
+#[derive(Debug, Clone)]
+struct Run {
+    episode: f64,
+    rows: Range<usize>,
+}
+
+/// A file that episodes stand in, with what its groups say of whose their rows are, as far as it was asked.
+struct Opened {
+    table: Parquet,
+    runs: Vec<Mutex<Option<Arc<Vec<Run>>>>>,
+}
+
+/// The file that was read last.
+static OPENED: Kept<Opened> = Kept::new();
+
+impl Opened {
+    fn of(table: Parquet) -> Self {
+        let runs = (0..table.groups()).map(|_| Mutex::default()).collect();
+        Self { table, runs }
+    }
+
+    /// Whose the rows of a group are, by the column `index`.
+    fn runs(&self, group: usize, index: &Column) -> Result<Arc<Vec<Run>>> {
+        let mut known = self.runs[group].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*known {
+            return Ok(Arc::clone(known));
+        }
+        let mut runs: Vec<Run> = Vec::new();
+        for (row, episode) in self.table.numbers(group, index)?.values.into_iter().enumerate() {
+            match runs.last_mut().filter(|run| run.episode == episode) {
+                Some(run) => run.rows.end = row + 1,
+                None => runs.push(Run { episode, rows: row..row + 1 }),
+            }
+        }
+        Ok(Arc::clone(known.insert(Arc::new(runs))))
+    }
 }
 
 impl DataSet {
@@ -61,9 +102,10 @@ impl DataSet {
         Ok(all)
     }
 
-    /// Adds the frames of an episode in a file.
+    /// Adds the frames of an episode in a file, which stays open for the next one.
     fn add(&self, file: &Path, number: u64, all: &mut Frames) -> Result<()> {
-        let table = Parquet::open(file)?;
+        let opened = OPENED.of(&[file.to_owned()], || Ok(Opened::of(Parquet::open(file)?)))?;
+        let table = &opened.table;
         for group in 0..table.groups() {
             let column = |name: &str| table.columns().iter().find(|c| c.name == name && c.of == Holds::Number);
             let index = column("episode_index");
@@ -72,8 +114,8 @@ impl DataSet {
             }
             // Where nothing says whose frames these are, all are the episode's.
             let rows = match (index, self.info.features.first()) {
-                (Some(index), _) => self.rows_of(file, number, &table.numbers(group, index)?.values)?,
-                (None, Some(feature)) => (0..wide(&table, group, feature, None)?.rows).collect(),
+                (Some(index), _) => self.rows_of(file, number, &opened.runs(group, index)?)?,
+                (None, Some(feature)) => (0..wide(table, group, feature, None)?.rows).collect(),
                 (None, None) => Vec::new(),
             };
             let (Some(first), Some(last)) = (rows.first().copied(), rows.last().copied()) else { continue };
@@ -91,7 +133,7 @@ impl DataSet {
             let computed = || all.numbers[known..].iter().map(|number| number / rate).collect();
             let stamps = single("timestamp")?.unwrap_or_else(computed);
             all.stamps.extend(stamps);
-            let read = |feature: &Feature| wide(&table, group, feature, Some(&part));
+            let read = |feature: &Feature| wide(table, group, feature, Some(&part));
             let features = self.info.features.iter().map(read).collect::<Result<Vec<Numbers>>>()?;
             for row in rows.iter().map(|row| row - first) {
                 for found in &features {
@@ -107,24 +149,36 @@ impl DataSet {
     }
 
     /// The rows of an episode; all of them where the file is named after it.
-    fn rows_of(&self, file: &Path, number: u64, episodes: &[f64]) -> Result<Vec<usize>> {
-        let other = episodes.iter().find(|found| **found != number as f64);
-        if let (Layout::FileEach, Some(other)) = (self.info.layout, other) {
-            let message = format!("expected frames of episode {number}, found one of episode {other}");
+    fn rows_of(&self, file: &Path, number: u64, runs: &[Run]) -> Result<Vec<usize>> {
+        let other = runs.iter().find(|run| run.episode != number as f64);
+        if let (Layout::FileEach, Some(Run { episode, .. })) = (self.info.layout, other) {
+            let message = format!("expected frames of episode {number}, found one of episode {episode}");
             return Err(Error::file(file, message, "give every file its own name again"));
         }
-        Ok((0..episodes.len()).filter(|row| episodes[*row] == number as f64).collect())
+        Ok(runs.iter().filter(|run| run.episode == number as f64).flat_map(|run| run.rows.clone()).collect())
     }
 
     /// The times of the frames in s. Where the stamps are the numbers of the frames over the rate, in single precision, they are
     /// computed anew to the last digit.
-    fn clock(&self, frames: &Frames, path: &Path) -> Result<(Vec<f64>, Option<Note>)> {
+    pub(super) fn clock(&self, frames: &Frames, path: &Path) -> Result<(Vec<f64>, Option<Note>)> {
         let rate = self.info.rate_hz;
         let first =
             frames.stamps.first().copied().unwrap_or(0.0) - frames.numbers.first().copied().unwrap_or(0.0) / rate;
         let computed: Vec<f64> = frames.numbers.iter().map(|number| number / rate).collect();
         let near = |(stamp, time): (&f64, &f64)| (stamp - time).abs() * rate < COMPUTED + stamp.abs() * rate * 1e-6;
         if first.abs() * rate < COMPUTED && frames.stamps.iter().zip(&computed).all(near) {
+            if let Some(at) = (1..computed.len()).find(|i| computed[*i] <= computed[i - 1]) {
+                let (before, found) = (frames.numbers[at - 1], frames.numbers[at]);
+                let message = format!(
+                    "`frame_index` does not rise in row {}: expected more than {before}, found {found}",
+                    at + 1
+                );
+                return Err(Error::file(
+                    path,
+                    message,
+                    "sort the rows of the episode by it, or choose another episode",
+                ));
+            }
             let text = format!("the stamps are frame numbers over {rate} Hz: jitter of the recorder is not in them");
             return Ok((computed, Some(Note::new(findings::CLOCK_COMPUTED, text, ""))));
         }

@@ -28,6 +28,10 @@ fn data(path: &Path, episodes: &[(i64, u32)]) {
 }
 
 fn frames(path: &Path, episodes: &[(i64, u32)], reading: impl Fn(u32, u32) -> f32) {
+    stamped(path, episodes, reading, |k| k as f32 / 30.0);
+}
+
+fn stamped(path: &Path, episodes: &[(i64, u32)], reading: impl Fn(u32, u32) -> f32, stamp: impl Fn(u32) -> f32) {
     let schema = "message frames {
         required group observation.state (LIST) { repeated group list { optional float element; } }
         required group action (LIST) { repeated group list { optional float element; } }
@@ -48,7 +52,7 @@ fn frames(path: &Path, episodes: &[(i64, u32)], reading: impl Fn(u32, u32) -> f3
             column.typed::<FloatType>().write_batch(&values, Some(&levels), Some(&repetition)).unwrap();
             column.close().unwrap();
         }
-        let stamps: Vec<f32> = frame.iter().map(|k| *k as f32 / 30.0).collect();
+        let stamps: Vec<f32> = (0..*frames).map(&stamp).collect();
         let mut column = group.next_column().unwrap().unwrap();
         column.typed::<FloatType>().write_batch(&stamps, None, None).unwrap();
         column.close().unwrap();
@@ -182,6 +186,18 @@ fn units_are_asked_for_by_the_flag_that_the_numbers_suggest() {
     );
     let plain = ReadOptions { units: units("action.a=1"), ..input };
     assert_eq!(read(new.join("episode_2"), &plain).unwrap().observation.row(3), [f64::from(reading(3, 0, 1789) + 1.0)]);
+}
+
+#[test]
+fn a_listing_refuses_a_clock_that_falls_as_reading_does() {
+    let folder = tempfile::tempdir().unwrap();
+    info(folder.path(), "v2.1", &json!(["a", "b"]));
+    let stamp = |k: u32| if k < 50 { k as f32 / 30.0 } else { k as f32 / 30.0 - 5.0 };
+    let file = folder.path().join("data/chunk-000/episode_000000.parquet");
+    stamped(&file, &[(0, 100)], |frame, joint| reading(frame, joint, 1789), stamp);
+    let listed = contents(folder.path()).unwrap_err().to_string();
+    assert!(listed.contains("episode_0: `timestamp` does not rise in frame 51"), "{listed}");
+    assert_eq!(read(folder.path().join("episode_0"), &state("*=deg")).unwrap_err().to_string(), listed);
 }
 
 #[test]

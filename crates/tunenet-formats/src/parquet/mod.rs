@@ -8,9 +8,11 @@ mod pages;
 mod promises;
 mod values;
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use parquet::basic::CompressionCodec;
 use parquet::column::reader::{ColumnReader, get_column_reader};
@@ -51,6 +53,14 @@ pub(crate) struct Parquet {
     path: PathBuf,
     reader: SerializedFileReader<File>,
     columns: Vec<Column>,
+    /// Where rows were read last, by the group and the place of the column.
+    cursors: Mutex<HashMap<(usize, usize), Cursor>>,
+}
+
+/// A column of a group, at one of its rows: what follows is read without unpacking again what comes before.
+struct Cursor {
+    reader: ColumnReader,
+    row: usize,
 }
 
 impl Parquet {
@@ -70,7 +80,7 @@ impl Parquet {
             return Err(Error::file(path, message, "keep the columns that are needed"));
         }
         let columns = schema.columns().iter().enumerate().map(|(index, described)| column(index, described)).collect();
-        Ok(Self { path: path.to_owned(), reader, columns })
+        Ok(Self { path: path.to_owned(), reader, columns, cursors: Mutex::default() })
     }
 
     pub fn path(&self) -> &Path {
@@ -112,16 +122,26 @@ impl Parquet {
     /// # Errors
     /// [`Error::File`] where they are broken, too many, or not as many in each row.
     pub fn numbers(&self, group: usize, column: &Column) -> Result<Numbers> {
-        let found = self.read(group, column, &(0..usize::MAX))?;
+        let found = self.read(column, &mut self.cursor(group, column)?, &(0..usize::MAX))?;
         self.expect(group, column, self.rows(group), found)
     }
 
-    /// The same of some of its rows; those before them are not kept.
+    /// The same of some of its rows; those before them are not kept. Rows that follow the last ones are read from there on.
     ///
     /// # Errors
     /// As [`Self::numbers`].
     pub fn numbers_of(&self, group: usize, column: &Column, rows: &Range<usize>) -> Result<Numbers> {
-        self.expect(group, column, rows.len() as u64, self.read(group, column, rows)?)
+        let key = (group, column.index);
+        let known = || self.cursors.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = known().remove(&key).filter(|cursor| cursor.row <= rows.start);
+        let mut cursor = before.map_or_else(|| self.cursor(group, column), Ok)?;
+        let found = self.read(column, &mut cursor, rows)?;
+        let found = self.expect(group, column, rows.len() as u64, found)?;
+        let mut cursors = known();
+        // One group is read after the other.
+        cursors.retain(|(of, _), _| *of == group);
+        cursors.insert(key, cursor);
+        Ok(found)
     }
 
     /// Whether a column of a group may hold a number, as far as the file states the least and the greatest of them.
@@ -149,7 +169,8 @@ impl Parquet {
         refuse_promise(&self.path, promised.map_err(|e| Error::io(&self.path, Action::Reading, e))?)
     }
 
-    fn read(&self, group: usize, column: &Column, of: &Range<usize>) -> Result<Numbers> {
+    /// The beginning of a column of a group.
+    fn cursor(&self, group: usize, column: &Column) -> Result<Cursor> {
         let codec = self.reader.metadata().row_group(group).column(column.index).compression_codec();
         if !UNPACKED.contains(&codec) {
             let message = format!(
@@ -159,37 +180,47 @@ impl Parquet {
             return Err(Error::file(&self.path, message, REPACK));
         }
         self.check_pages(group, column)?;
-        let read = || -> std::result::Result<Numbers, Failure> {
-            let rows = self.reader.get_row_group(group)?;
-            let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
-            let pages = Counted::new(rows.get_column_page_reader(column.index)?, MOST_NUMBERS);
-            let (levels, form) = (column.levels, column.form);
-            match get_column_reader(described, Box::new(pages)) {
-                ColumnReader::BoolColumnReader(reader) => values::read(reader, levels, of, |v| f64::from(u8::from(*v))),
-                ColumnReader::Int32ColumnReader(reader) => {
-                    values::read(reader, levels, of, |v| form.whole(i64::from(*v)))
-                }
-                ColumnReader::Int64ColumnReader(reader) => values::read(reader, levels, of, |v| form.whole(*v)),
-                ColumnReader::FloatColumnReader(reader) => values::read(reader, levels, of, |v| f64::from(*v)),
-                ColumnReader::DoubleColumnReader(reader) => values::read(reader, levels, of, |v| *v),
-                ColumnReader::FixedLenByteArrayColumnReader(reader) => {
-                    values::read(reader, levels, of, |v| form.bytes(v.data()))
-                }
-                ColumnReader::ByteArrayColumnReader(reader) => {
-                    values::read(reader, levels, of, |v| form.bytes(v.data()))
-                }
-                ColumnReader::Int96ColumnReader(_) => Err(ParquetError::General("no column of numbers".into()).into()),
+        let rows = self.reader.get_row_group(group).map_err(|e| self.refused(column, e.into()))?;
+        let pages = rows.get_column_page_reader(column.index).map_err(|e| self.refused(column, e.into()))?;
+        let described = self.reader.metadata().file_metadata().schema_descr().column(column.index);
+        let reader = get_column_reader(described, Box::new(Counted::new(pages, MOST_NUMBERS)));
+        Ok(Cursor { reader, row: 0 })
+    }
+
+    /// Rows of a column from where the cursor is on; it is then behind them.
+    fn read(&self, column: &Column, cursor: &mut Cursor, of: &Range<usize>) -> Result<Numbers> {
+        let (levels, form) = (column.levels, column.form);
+        let rows = (of.start - cursor.row, of.len());
+        let found = match &mut cursor.reader {
+            ColumnReader::BoolColumnReader(reader) => values::read(reader, levels, rows, |v| f64::from(u8::from(*v))),
+            ColumnReader::Int32ColumnReader(reader) => {
+                values::read(reader, levels, rows, |v| form.whole(i64::from(*v)))
             }
+            ColumnReader::Int64ColumnReader(reader) => values::read(reader, levels, rows, |v| form.whole(*v)),
+            ColumnReader::FloatColumnReader(reader) => values::read(reader, levels, rows, |v| f64::from(*v)),
+            ColumnReader::DoubleColumnReader(reader) => values::read(reader, levels, rows, |v| *v),
+            ColumnReader::FixedLenByteArrayColumnReader(reader) => {
+                values::read(reader, levels, rows, |v| form.bytes(v.data()))
+            }
+            ColumnReader::ByteArrayColumnReader(reader) => values::read(reader, levels, rows, |v| form.bytes(v.data())),
+            ColumnReader::Int96ColumnReader(_) => Err(ParquetError::General("no column of numbers".into()).into()),
         };
+        let found = found.map_err(|failure| self.refused(column, failure))?;
+        cursor.row = of.start + found.rows;
+        Ok(found)
+    }
+
+    /// Why a column cannot be read.
+    fn refused(&self, column: &Column, failure: Failure) -> Error {
         let refuse = |why: String, hint: &str| {
             Error::file(&self.path, format!("column `{}` cannot be read: {why}", visible(&column.name)), hint)
         };
-        read().map_err(|failure| match failure {
+        match failure {
             Failure::Broken(ParquetError::General(why) | ParquetError::NYI(why)) => refuse(why, AGAIN),
             Failure::Broken(other) => broken(&self.path, &other),
             Failure::TooMany(why) => refuse(why, "keep the rows and columns that are needed"),
             Failure::Uneven(why) => refuse(why, "write lists of one length, or leave the column out"),
-        })
+        }
     }
 
     /// `found`, where it has as many rows as are expected.

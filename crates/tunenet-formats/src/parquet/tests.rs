@@ -43,6 +43,25 @@ fn made(path: &Path, times: &[f64], heights: &[Option<f64>]) {
     writer.close().unwrap();
 }
 
+/// Whatever was read before, rows are those of the file: after the last ones, before them, or again.
+#[test]
+fn rows_are_the_same_in_any_order_of_reading() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let times: Vec<f64> = (0..9).map(f64::from).collect();
+    let heights: Vec<Option<f64>> = (0..9).map(|i| (i != 4).then_some(f64::from(i) * 0.5)).collect();
+    made(&path, &times, &heights);
+    let table = Parquet::open(&path).unwrap();
+    let column = table.column("z_m").unwrap().clone();
+    for (group, rows) in [(1, 0..1), (1, 2..3), (1, 0..3), (0, 1..2), (1, 1..2), (0, 0..2), (2, 2..3)] {
+        let found = table.numbers_of(group, &column, &rows).unwrap().values;
+        let expected: Vec<f64> = rows.map(|row| heights[3 * group + row].unwrap_or(f64::NAN)).collect();
+        assert!(found.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits()), "{found:?} {expected:?}");
+    }
+    assert!(table.numbers_of(1, &column, &(2..5)).is_err());
+    assert_eq!(table.numbers_of(1, &column, &(2..3)).unwrap().values, [2.5]);
+}
+
 #[test]
 fn a_table_reads_as_the_same_numbers_in_a_text() {
     let times: Vec<f64> = (0..7).map(|i| f64::from(i) / 30.0).collect();

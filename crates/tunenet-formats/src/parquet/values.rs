@@ -1,7 +1,5 @@
 //! The values of one column, distinguished by their levels.
 
-use std::ops::Range;
-
 use parquet::column::reader::ColumnReaderImpl;
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -49,18 +47,18 @@ fn too_many() -> Failure {
     Failure::TooMany(format!("expected at most {MOST_NUMBERS} numbers, found more"))
 }
 
-/// The values of these rows of a column, as far as there are so many.
+/// The values of the rows of a column after so many that are `skipped`, as far as there are so many.
 pub(super) fn read<T: DataType>(
-    mut reader: ColumnReaderImpl<T>,
+    reader: &mut ColumnReaderImpl<T>,
     levels: Levels,
-    rows: &Range<usize>,
+    (skipped, rows): (usize, usize),
     number: impl Fn(&T::T) -> f64,
 ) -> Result<Numbers, Failure> {
     let mut found = Ragged::default();
-    if rows.start > 0 && reader.skip_records(rows.start)? < rows.start {
+    if skipped > 0 && reader.skip_records(skipped)? < skipped {
         return found.even();
     }
-    let mut left = rows.len();
+    let mut left = rows;
     loop {
         let (mut definition, mut repetition, mut values) = (Vec::new(), Vec::new(), Vec::new());
         let (records, _, _) = reader.read_records(
