@@ -59,7 +59,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
             }
         });
         added.map_err(|why| {
-            Error::file(path, format!("message {number} of `{}` cannot be used: {why}", topic.name), "")
+            let hint = "copy the log again, or cut it before that message with `ros2 bag convert`";
+            Error::file(path, format!("message {number} of `{}` cannot be used: {why}", topic.name), hint)
         })?;
         if series.values.len() > MOST_NUMBERS {
             return Err(too_long(path, &topic.name, &files));
@@ -127,6 +128,15 @@ struct Row {
     log: i64,
 }
 
+impl Row {
+    /// What a message with this stamp and time of recording says of some time after both. A stamp of 0 means the time of recording.
+    fn after(number: u64, (stamp, log): (Option<i64>, i64), after: i64) -> Self {
+        let later = |time: i64| time.checked_add(after);
+        let stamp = stamp.filter(|stamp| *stamp != 0 || after == 0).and_then(later);
+        Self { number, stamp, log: later(log).unwrap_or(i64::MAX) }
+    }
+}
+
 impl<'a> Series<'a> {
     fn new(path: &'a Path, topic: &'a Topic, wanted: &'a [String], needed: Vec<String>) -> Self {
         Self {
@@ -175,8 +185,7 @@ impl<'a> Series<'a> {
         }
         self.values.extend(found.values);
         let log = i64::try_from(log_time).unwrap_or(i64::MAX);
-        let [stamp, log] = [found.stamp_ns, Some(log)].map(|time| time.and_then(|t| t.checked_add(found.after_ns)));
-        self.rows.push(Row { number, stamp, log: log.unwrap_or(i64::MAX) });
+        self.rows.push(Row::after(number, (found.stamp_ns, log), found.after_ns));
         Ok(())
     }
 
@@ -253,8 +262,7 @@ impl<'a> Series<'a> {
             let start = self.values.len();
             [message.position, message.velocity, message.effort] = arrays;
             if self.add_joints(&message)? {
-                let [stamp, log] = [stamp, Some(log)].map(|t| t.and_then(|t| t.checked_add(after)));
-                self.keep(start, Row { number, stamp, log: log.unwrap_or(i64::MAX) });
+                self.keep(start, Row::after(number, (stamp, log), after));
             }
         }
         Ok(())
@@ -441,6 +449,18 @@ struct Fault {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_trajectory_without_stamp_starts_when_it_was_recorded() {
+        let of = |stamp, after| {
+            let row = Row::after(1, (stamp, 70), after);
+            (row.stamp, row.log)
+        };
+        assert_eq!(of(Some(0), 5), (None, 75));
+        assert_eq!(of(Some(30), 5), (Some(35), 75));
+        assert_eq!(of(Some(0), 0), (Some(0), 70));
+        assert_eq!(of(None, 5), (None, 75));
+    }
 
     #[test]
     fn what_cuts_a_log_depends_on_its_files() {
