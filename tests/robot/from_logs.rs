@@ -101,6 +101,28 @@ fn commands_are_found_in_their_own_topic_by_the_names_of_joints() {
     assert!(refused.stderr.contains("`--topic`: expected a topic with numbers"), "{}", refused.stderr);
 }
 
+/// Drivers that publish one joint each on one topic: those of one message are taken, and the others named.
+#[test]
+fn joints_in_messages_of_their_own_are_held_and_named() {
+    let folder = models::folder();
+    let rows = rolled_out(&folder);
+    let at =
+        |after: f64, from: usize| rows.iter().map(|row| (1.0 + after + row[0], vec![row[from]])).collect::<Vec<_>>();
+    let commands = rows.iter().map(|row| (1.0 + row[0], row[3..5].to_vec())).collect::<Vec<_>>();
+    let topics: [(&str, &[&str], _); 3] = [
+        ("/joint_states", &["elbow"], at(0.0, 2)),
+        ("/joint_states", &["shoulder"], at(0.0003, 1)),
+        ("/arm/commands", &["shoulder", "elbow"], commands),
+    ];
+    folder.write("two.mcap", log(&topics));
+    let ran = folder.run("init robot --model two.xml --from two.mcap --out arm.toml").ends(0);
+    let text = "joints that stand in other messages of /joint_states than most are held at 0: `shoulder`";
+    assert!(ran.stderr.contains(text), "{}", ran.stderr);
+    assert!(!folder.text("arm.toml").contains("[joints.shoulder]"));
+    let read = folder.run("tune --sim arm.toml two.mcap --topic /joint_states --quick --max-rollouts 40");
+    assert!(read.stderr.contains("read     two.mcap, 300 samples"), "{}", read.stderr);
+}
+
 #[test]
 fn a_column_that_stands_twice_is_refused() {
     let folder = models::folder();

@@ -147,7 +147,17 @@ mod tests {
         let usable = if schema.contains("Joint") { Ok(Kind::Joints) } else { Err(NUMBERS.into()) };
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
         let (name, schema) = (name.into(), schema.into());
-        Topic { name, schema, encoding: "cdr".into(), messages, span_ns: None, usable, columns, undefined: None }
+        Topic {
+            name,
+            schema,
+            encoding: "cdr".into(),
+            messages,
+            span_ns: None,
+            usable,
+            columns,
+            layouts: Vec::new(),
+            undefined: None,
+        }
     }
 
     fn refused(topics: &[Topic], options: &ReadOptions) -> (String, String) {

@@ -152,6 +152,7 @@ mod tests {
             span_ns: None,
             usable: if usable { Ok(Kind::Joints) } else { Err("no".into()) },
             columns: columns.iter().map(|name| (*name).to_owned()).collect(),
+            layouts: Vec::new(),
             undefined: None,
         }
     }

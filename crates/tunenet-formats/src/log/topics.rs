@@ -38,6 +38,8 @@ pub struct Topic {
     /// The names of the numbers in its first messages, which `--columns` and the `column` of an input may take: `data`, `linear.x`,
     /// `position.elbow`. Empty where they are not known.
     pub columns: Vec<String>,
+    /// The same by message, each layout once: several programs may publish on the topic, each some of the joints.
+    pub layouts: Vec<Vec<String>>,
     /// The type that nothing defines, where that is why it is not read.
     pub undefined: Option<String>,
 }
@@ -52,6 +54,7 @@ impl Topic {
             span_ns: None,
             usable: Err(SILENT.into()),
             columns: Vec::new(),
+            layouts: Vec::new(),
             undefined: None,
         }
     }
@@ -70,10 +73,14 @@ impl Topic {
         let decoder = message.channel.decoder.as_ref();
         if self.messages < first_of(&self.schema, &self.encoding) {
             let rows = decoder.ok().and_then(|decoder| decoder.rows(&message.data, true).ok()).unwrap_or_default();
-            for name in rows.into_iter().next().unwrap_or_default().names {
-                if !self.columns.contains(&name) {
-                    self.columns.push(name);
+            let names = rows.into_iter().next().unwrap_or_default().names;
+            for name in &names {
+                if !self.columns.contains(name) {
+                    self.columns.push(name.clone());
                 }
+            }
+            if !names.is_empty() && !self.layouts.contains(&names) {
+                self.layouts.push(names);
             }
         }
         if self.messages == 0 {

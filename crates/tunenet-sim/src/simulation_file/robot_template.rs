@@ -56,6 +56,12 @@ impl RobotStart {
         self.motor(joint).map(|motor| motor.drive).or_else(of_commands).unwrap_or(Drive::Position)
     }
 
+    /// Whether the model states motors, and none for this joint, or several.
+    #[must_use]
+    pub fn lacks_actuator(&self, joint: &str) -> bool {
+        self.motor(joint).is_some_and(|motor| motor.gain.is_none() && motor.drive == Drive::Position)
+    }
+
     fn columns(&self, joint: &str) -> Option<&JointColumns> {
         self.columns.as_ref()?.iter().find(|columns| columns.joint == joint)
     }

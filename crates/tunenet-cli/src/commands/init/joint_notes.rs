@@ -5,7 +5,6 @@ use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
 use tunenet_sim::arm::{Joint, Model};
 use tunenet_sim::findings;
-use tunenet_sim::robot::Drive;
 use tunenet_sim::simulation_file::{RobotStart, is_name};
 
 use super::columns::Columns;
@@ -14,10 +13,7 @@ use crate::view::text::listed;
 /// That a model which states motors states none for some joints, or several for one.
 pub fn without_actuator(model: &Model, start: &RobotStart) -> Option<Note> {
     let joints = model.joints();
-    let undriven = |joint: &Joint| {
-        start.motor(&joint.name).is_some_and(|motor| motor.gain.is_none() && motor.drive == Drive::Position)
-    };
-    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && undriven(joint));
+    let lacking = joints.iter().filter(|joint| is_name(&joint.name) && start.lacks_actuator(&joint.name));
     let lacking: Vec<&str> = lacking.map(|joint| joint.name.as_str()).collect();
     (!lacking.is_empty()).then(|| {
         let text = format!("joints for which the model has no actuator, or no single one: {}", listed(lacking));
@@ -47,13 +43,29 @@ pub fn unnameable(model: &Model) -> Result<Option<Note>> {
     Ok(Some(Note::new(findings::URDF_HELD, text, "rename them in a copy of the model")))
 }
 
-/// That joints of the model are not in the recording.
-pub fn held(model: &Model, columns: &[Columns]) -> Option<Note> {
+/// That joints of the model are not in the recording; of those in `apart`, [`in_other_messages`] speaks.
+pub fn held(model: &Model, columns: &[Columns], apart: &[Columns]) -> Option<Note> {
     let joints = model.joints();
-    let lost = joints.iter().filter(|joint| columns.iter().all(|columns| columns.joint != joint.name));
+    let known = |joint: &Joint| columns.iter().chain(apart).any(|columns| columns.joint == joint.name);
+    let lost = joints.iter().filter(|joint| !known(joint));
     let lost: Vec<&str> = lost.map(|joint| joint.name.as_str()).collect();
     (!lost.is_empty()).then(|| {
-        let text = format!("joints without a column of positions and one of commands are held at 0: {}", listed(lost));
+        let text = format!(
+            "joints for which no column of positions with one of commands for their drive was found are held at 0: {}",
+            listed(lost)
+        );
         Note::new(findings::URDF_HELD, text, "name their columns with `--joints JOINT=COLUMN:COMMAND`")
     })
+}
+
+/// That joints are published in messages of their own.
+pub fn in_other_messages(apart: &[Columns]) -> Option<Note> {
+    let topic = apart.first()?.state.topic.as_deref()?;
+    let names = listed(apart.iter().map(|one| one.joint.as_str()));
+    let text = format!("joints that stand in other messages of {topic} than most are held at 0: {names}");
+    Some(Note::new(
+        findings::URDF_HELD,
+        text,
+        "publish all joints in one message, as one `joint_state_broadcaster` does",
+    ))
 }

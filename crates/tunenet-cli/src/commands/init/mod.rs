@@ -5,6 +5,7 @@ mod columns;
 mod flags;
 mod joint_notes;
 mod limits;
+mod messages;
 mod place;
 mod robot;
 mod topics;

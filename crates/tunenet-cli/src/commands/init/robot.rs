@@ -11,7 +11,8 @@ use tunenet_sim::simulation_file::{JointColumns, position_channel, robot_templat
 use super::asked::refuse_unnamed;
 use super::columns::{Columns, columns};
 use super::flags::flags;
-use super::joint_notes::{held, unnameable, without_actuator};
+use super::joint_notes::{held, in_other_messages, unnameable, without_actuator};
+use super::messages::in_one_message;
 use super::place::Place;
 use super::typed;
 use super::typed_units::Recorded;
@@ -45,7 +46,9 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         let named = contents.named_columns();
         refuse_unnamed(from, &reading, &named)?;
         let columns = columns(options, from, (&model, &start), &named)?;
-        notes.extend(held(&model, &columns));
+        let (columns, apart) = in_one_message(columns, &contents);
+        notes.extend(held(&model, &columns, &apart));
+        notes.extend(in_other_messages(&apart));
         match &contents {
             Contents::Episodes(found) => {
                 notes.extend(found.notes.iter().cloned());
