@@ -29,9 +29,12 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&Simulation
     if let Some(motion) = &motion {
         render::render(motion, shown);
     }
-    log::verdict(found, rejected, named, shown);
+    log::verdict(found, path, rejected, named, shown);
+    let joints = log::of_joints(found).is_some();
     let standing = match rejected {
-        _ if usable == 0 && named.is_none() || found.ended.is_some() || refused.is_some() => Standing::Refused,
+        _ if usable == 0 && !joints && named.is_none() || found.ended.is_some() || refused.is_some() => {
+            Standing::Refused
+        }
         Some(_) => Standing::Unusable,
         None => Standing::Usable,
     };

@@ -1,8 +1,10 @@
 //! What `inspect` says of a log.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 use tunenet_core::observation::{Check, Note, with_decimals};
-use tunenet_formats::{Log, kind_name};
+use tunenet_formats::{JointQuantity, Log, kind_name, of_some_joint, shell_word};
 
 use super::joints;
 use super::motion::add_to;
@@ -44,8 +46,18 @@ fn numbers(columns: &[String]) -> String {
     if more == 0 { named } else { format!("{named} and {more} more") }
 }
 
+/// The topic whose numbers are positions of joints by their names, where no topic is read without naming its numbers.
+pub fn of_joints(found: &Log) -> Option<&str> {
+    let position = |name: &String| {
+        of_some_joint(name).is_some_and(|of| !of.command && of.quantity == Some(JointQuantity::Position))
+    };
+    let none = found.ended.is_none() && found.topics.iter().all(|topic| topic.usable.is_err());
+    let topic = found.topics.iter().find(|topic| topic.columns.iter().any(position));
+    topic.filter(|_| none).map(|topic| topic.name.as_str())
+}
+
 /// Whether it can be used: `rejected` says why its only recording cannot, and `named` is the topic that was read.
-pub fn verdict(found: &Log, rejected: Option<&str>, named: Option<&str>, shown: &mut Printout) {
+pub fn verdict(found: &Log, path: &Path, rejected: Option<&str>, named: Option<&str>, shown: &mut Printout) {
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     match (usable.as_slice(), &found.ended) {
         (_, Some(reason)) => {
@@ -57,6 +69,12 @@ pub fn verdict(found: &Log, rejected: Option<&str>, named: Option<&str>, shown: 
         }
         _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),
         _ if named.is_some() => shown.row("usable", named.unwrap_or_default()),
+        ([], _) if of_joints(found).is_some() => {
+            let (topic, from) = (of_joints(found).unwrap_or_default(), shell_word(&path.to_string_lossy()));
+            shown.row("usable", &format!("the numbers of {topic}, as joints of a robot"));
+            let command = format!("tunenet init robot --model ROBOT.urdf --from {from}");
+            shown.line(&format!("  try: `{command}` writes a simulation file of its joints"));
+        }
         ([], _) => {
             shown.row("unusable", "no topic carries positions, joints or bounces");
             if let Some(kind) = found.topics.iter().find_map(|topic| topic.undefined.as_deref()) {
