@@ -30,6 +30,8 @@ pub struct RobotChanges {
     pub whole: Vec<Whole>,
     /// The servo of each joint with a position drive, by the joint's name, without the name of its kind.
     pub servos: Vec<(String, BamServo)>,
+    /// What is written in other words than the simulation has it.
+    pub notes: Vec<String>,
 }
 
 /// The 95 % interval of a number, by the name that a tuning has for it: `elbow__coulomb`, or `load_friction.mu.2` of the second joint.
@@ -54,12 +56,21 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
     let joints = driven_joints(&rig.joints, &roles(&parameters, &order), &values, &imperfect);
     let motors = described.as_ref().map(stated_motors).unwrap_or_default();
     let names = order.iter().map(|(key, _)| model_file::named(file, &whole, key)).collect::<Result<Vec<&str>>>()?;
+    // A motor that is released shows which of both is late.
+    let alike = order.iter().all(|(_, scene)| scene.enable.is_none());
+    let late_s = if alike { imperfect.reading_delay_s } else { 0.0 };
     let mut found = RobotChanges {
         changes: Vec::new(),
         left: Vec::new(),
-        whole: of_whole(&present, intervals),
+        whole: of_whole(&present, late_s != 0.0, intervals),
         servos: Vec::new(),
+        notes: Vec::new(),
     };
+    if late_s != 0.0 {
+        found.notes.push(format!(
+            "`{TIME_DELAY}` is written as a delay of the commands of every joint: no recording from rest distinguishes both"
+        ));
+    }
     found.changes.extend(extra_load(&model, &present, intervals));
     let kinds = kinds(&model, &order);
     for (place, (name, scene)) in order.iter().enumerate() {
@@ -69,6 +80,7 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
             in_model: names[place],
             motion: kinds[place],
             place,
+            late_s,
             numbers: &joints[place],
             of_model: &rig.joints[place],
             motor: motors.iter().find(|motor| motor.joint == names[place]),
@@ -104,6 +116,8 @@ fn kinds(model: &Model, order: &[(&str, &JointScene)]) -> Vec<Motion> {
 
 /// The effect that is a mass of the last link.
 const EXTRA_LOAD: &str = "extra_load";
+/// The effect of readings that are late.
+const TIME_DELAY: &str = "time_delay";
 
 /// Numbers below this, in SI units, are 0.
 const SMALLEST: f64 = 1e-12;
@@ -121,9 +135,10 @@ fn extra_load(model: &Model, present: &[PresentRobotEffect], intervals: Interval
     })
 }
 
-/// Effects that no single joint has.
-fn of_whole(present: &[PresentRobotEffect], intervals: Intervals) -> Vec<Whole> {
-    let whole = present.iter().filter(|one| !one.effect.per_joint && one.effect.name != EXTRA_LOAD);
+/// Effects that no single joint has; `as_commands` says that late readings are written as late commands.
+fn of_whole(present: &[PresentRobotEffect], as_commands: bool, intervals: Intervals) -> Vec<Whole> {
+    let of_joints = |name: &str| name == EXTRA_LOAD || as_commands && name == TIME_DELAY;
+    let whole = present.iter().filter(|one| !one.effect.per_joint && !of_joints(one.effect.name));
     whole
         .map(|one| Whole {
             effect: one.effect.name.to_owned(),
@@ -156,6 +171,8 @@ struct OneJoint<'a> {
     in_model: &'a str,
     motion: Motion,
     place: usize,
+    /// By how much its readings are late, where that is written as a delay of its commands, s.
+    late_s: f64,
     numbers: &'a JointNumbers,
     /// The numbers before parameters and effects.
     of_model: &'a JointNumbers,
@@ -246,7 +263,7 @@ impl OneJoint<'_> {
         let stiffness = if self.has("joint_spring") { n.spring } else { 0.0 };
         let spring = self.of("joint_spring", "nm_rad").map(|ends| ends.map(|end| end + self.of_model.spring));
         let all = [
-            (Quantity::CommandDelay, n.command_delay_s, self.of("command_delay", "s")),
+            (Quantity::CommandDelay, n.command_delay_s + self.late_s, self.delay()),
             (Quantity::CommandLag, n.command_lag_s, self.of("command_lag", "s")),
             (Quantity::ReleaseDelay, n.release_delay_s, self.of("release_delay", "s")),
             (
@@ -275,6 +292,15 @@ impl OneJoint<'_> {
         ];
         for (quantity, value, interval) in all.into_iter().filter(|(_, value, _)| *value != 0.0) {
             self.add(found, quantity, value, interval);
+        }
+    }
+
+    /// The interval of the delay of its commands, with that of its readings; of both together none is known.
+    fn delay(&self) -> Option<[f64; 2]> {
+        match (self.has("command_delay"), self.late_s != 0.0) {
+            (true, true) => None,
+            (false, true) => of_effect(self.intervals, (TIME_DELAY, "delay_s"), 0),
+            _ => self.of("command_delay", "s"),
         }
     }
 
@@ -318,8 +344,10 @@ mod tests {
             "a__stall_torque" => Some([3.0, 5.0]),
             "a__zero" => Some([0.0, 0.2]),
             "speed_limit.inverse_s_rad.1" => Some([0.2, 0.5]),
+            "time_delay.delay_s" => Some([0.009, 0.011]),
             _ => None,
         };
+        let late = Some((0.01, Some([0.009, 0.011])));
         let found = robot_changes(&file, &intervals).unwrap();
         let of = |joint: &str, quantity| {
             let one = found.changes.iter().find(|change| change.joint == joint && change.quantity == quantity);
@@ -340,7 +368,15 @@ mod tests {
         assert_eq!(of("b", Quantity::TorqueLimit), None);
         let left: Vec<_> = found.left.iter().map(|left| (left.change.joint.as_str(), left.change.quantity)).collect();
         assert_eq!(left, [("b", Quantity::Stiffness)]);
-        assert_eq!(found.whole.iter().map(|whole| whole.effect.as_str()).collect::<Vec<_>>(), ["time_delay"]);
         assert_eq!(found.servos[0].1.firmware_gain, Some(2.0));
+        // Late readings are late commands of every joint, where no motor is released.
+        assert_eq!((of("a", Quantity::CommandDelay), of("b", Quantity::CommandDelay)), (late, late));
+        assert!(found.whole.is_empty() && found.notes.len() == 1, "{found:?}");
+        let released =
+            FILE.replace("[joints.a]\n", "[inputs.torque_on]\ndefault = 1.0\n[joints.a]\nenable = \"torque_on\"\n");
+        let file = SimulationFile::parse(&folder.path().join("robot.toml"), &released).unwrap();
+        let found = robot_changes(&file, &intervals).unwrap();
+        assert_eq!(found.whole.iter().map(|whole| whole.effect.as_str()).collect::<Vec<_>>(), ["time_delay"]);
+        assert!(found.changes.iter().all(|change| change.quantity != Quantity::CommandDelay));
     }
 }

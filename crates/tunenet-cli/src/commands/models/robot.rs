@@ -26,6 +26,9 @@ use crate::view::text::stage;
 /// As [`super::write`].
 pub fn write(options: &Models, file: &SimulationFile, intervals: Intervals) -> Result<()> {
     let found = robot_changes(file, intervals)?;
+    for note in &found.notes {
+        stage("note", note);
+    }
     if let Some(out) = &options.out_model {
         write_model(out, options, file, &found)?;
     }
