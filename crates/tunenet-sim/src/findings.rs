@@ -96,6 +96,9 @@ finding_kinds! {
     warning ROBOT_UNITS = "robot.units",
         "commands and positions of a joint are in different units, such as degrees and radians, or positions span more than three times what the model's limits allow; the recording is not used",
         "state the units as they were recorded, or correct the limits in the model";
+    warning ROBOT_ZERO = "robot.zero",
+        "a turning joint is read more than a quarter turn beyond the limits of its model: it has another zero",
+        "write the joint's `zero` into its parameter, with bounds near it";
     warning ROBOT_STOP = "robot.stop",
         "a joint stands at a limit of the model while its commands go beyond it: stops are not simulated",
         "leave these parts out, or keep the commands within the limits";

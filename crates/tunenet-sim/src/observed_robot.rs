@@ -85,7 +85,13 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         motors::with_limits_reached(with_damping_left(entry, &damping), &motors)
     };
     let mut entries: Vec<Effect> = effects.iter().map(entry).collect();
+    let zero = |joint: usize| {
+        let mut all = roles.iter().zip(&parameters);
+        let own = all.find(|(role, _)| role.joint == joint && role.number == Number::Zero);
+        own.map_or(0.0, |(_, parameter)| parameter.value)
+    };
     let layout = Layout {
+        zeros: (0..order.len()).map(zero).collect(),
         command_ranges: motors::command_ranges(&motors, &order, &roles, &parameters),
         roles,
         effects: effects.clone(),

@@ -10,7 +10,7 @@ use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median, range};
 
 use super::layout::{Layout, Reading};
-use super::limits::{at_a_stop, beyond_command_range, beyond_limits, many_turns};
+use super::limits::{another_zero, at_a_stop, beyond_command_range, beyond_limits, many_turns};
 use super::numbers::{JointNumbers, NO_RANGE};
 use super::step_error::step_error;
 use super::trajectory::Quantity;
@@ -93,6 +93,7 @@ pub(super) fn examine(
             Some((note, false)) => checks.push(noticed(note)),
             None => {}
         }
+        checks.extend(zero(layout, &prepared.seen, (channel, reading.joint)).map(noticed));
     }
     let clock = prepared.seen.clock();
     checks.extend((0..joints.len()).filter_map(|joint| clipped(layout, joints, &known, joint, clock)).map(noticed));
@@ -117,6 +118,13 @@ fn goals<'a>(
     let command = layout.wiring.get(joint)?.command.and_then(|place| known.inputs.get(place))?;
     let numbers = joints.get(joint)?;
     Some(move |time_s: f64| numbers.commanded(command.at(0, time_s)))
+}
+
+/// That a joint has another zero than its model.
+fn zero(layout: &Layout, seen: &Observation, (channel, joint): (usize, usize)) -> Option<Note> {
+    let shown = seen.channels().get(channel).filter(|channel| channel.unit == "rad")?;
+    let values: Vec<f64> = seen.column(channel).collect();
+    another_zero(&shown.header(), &values, layout.limits[joint], layout.zeros[joint])
 }
 
 /// That a copy of the model clips the commands of a joint, and the simulation does not.

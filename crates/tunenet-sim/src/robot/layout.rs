@@ -48,6 +48,8 @@ pub(crate) struct Layout {
     pub follows: Vec<bool>,
     /// Between which positions the model lets each joint move, rad or m; infinite where it does not say.
     pub limits: Vec<[f64; 2]>,
+    /// Where the file has the zero of each joint: true less measured position, rad or m.
+    pub zeros: Vec<f64>,
     /// Between which goals or torques a copy of the model clips the commands of each joint, where its simulation does not.
     pub command_ranges: Vec<Option<[f64; 2]>>,
     /// The step of the simulation that the model states, s; 0 where it states none.

@@ -6,6 +6,8 @@ use crate::findings;
 
 /// Positions that span more than so many times what the model lets the joint move are in another unit.
 const BEYOND_LIMITS: f64 = 3.0;
+/// A turning joint that is read farther than this beyond its limits, rad, has another zero than its model: that of encoder counts, say.
+const BEYOND_ZERO_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// Turns that a joint makes about a position that it is commanded to: more are rather degrees.
 const MOST_TURNS: f64 = 3.0;
 /// A joint that is within this share of its travel from a limit, while its command is as far beyond it, for this share of the samples, stands
@@ -28,6 +30,25 @@ pub(super) fn beyond_limits(name: &str, moved: f64, (travel, unit): (f64, &str))
     );
     let remedy = "state the units as they were recorded, or correct the limits in the model";
     Some(Note::new(findings::ROBOT_UNITS, text, remedy))
+}
+
+/// That a turning joint, whose zero is `zero` (true less measured position, rad), is read far beyond the limits of the model.
+pub(super) fn another_zero(name: &str, values: &[f64], [lower, upper]: [f64; 2], zero: f64) -> Option<Note> {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+    let beyond = (lower - low - zero).max(high + zero - upper);
+    if !beyond.is_finite() || beyond <= BEYOND_ZERO_RAD {
+        return None;
+    }
+    let [low, high, lower, upper, middle] =
+        [low, high, lower, upper, (lower + upper - low - high) / 2.0].map(|number| with_decimals(number, 2));
+    let text = format!(
+        "`{name}` reads {low} to {high}, and the limits of the model are {lower} to {upper}: expected the zero of the model, found another"
+    );
+    let remedy = format!(
+        "write the joint's `zero` (true less measured position; {middle} puts it amid its limits) into its parameter, with `min` and `max` near it"
+    );
+    Some(Note::new(findings::ROBOT_ZERO, text, remedy))
 }
 
 /// That a joint whose model has no limits, and which follows positions, makes many turns.
@@ -90,6 +111,15 @@ pub(super) fn beyond_command_range(name: &str, commands: &[f64], [lower, upper]:
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counts_of_an_encoder_have_another_zero_than_a_model() {
+        let reads = |low: f64, high: f64, zero: f64| another_zero("a_rad", &[low, high], [-2.0, 2.0], zero);
+        let said = reads(1.54, 4.76, 0.0).unwrap();
+        assert!(said.text.contains("reads 1.54 to 4.76") && said.remedy.contains("-3.15 puts it amid"), "{said:?}");
+        assert!(reads(1.54, 4.76, -3.15).is_none() && reads(0.0, 3.5, 0.0).is_none());
+        assert!(another_zero("a_rad", &[9.0], [f64::NEG_INFINITY, f64::INFINITY], 0.0).is_none());
+    }
 
     #[test]
     fn many_turns_are_rather_degrees() {

@@ -58,6 +58,7 @@ fn robot(model: Model, masses: Vec<Mass>, joints: Vec<JointNumbers>, effects: &[
         wiring: (0..n).map(|joint| Wiring { command: Some(joint), enable: Some(n) }).collect(),
         follows: vec![true; n],
         limits: vec![[f64::NEG_INFINITY, f64::INFINITY]; n],
+        zeros: vec![0.0; n],
         command_ranges: vec![None; n],
         model_step_s: 0.0,
         notes: Vec::new(),
