@@ -29,6 +29,6 @@ pub use change::{Change, Quantity};
 pub use error::{Error, Result};
 pub use inertia::Inertia;
 pub use model::{Format, Model};
-pub use robot::{Actuator, Coupling, Filter, Joint, Law, Link, Motion, Pose, Robot, Target, Tendon, Weight};
+pub use robot::{Actuator, Contacts, Coupling, Filter, Joint, Law, Link, Motion, Pose, Robot, Target, Tendon, Weight};
 pub use unused::{Changes, Unused};
 pub use xml::read_file;

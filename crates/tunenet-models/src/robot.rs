@@ -101,6 +101,17 @@ pub struct Tendon {
     pub terms: Vec<(usize, f64)>,
 }
 
+/// Whether the shapes of a model touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contacts {
+    /// None can, or the format does not say.
+    None,
+    /// Those of several links or of the world may, since nothing says that they do not.
+    ByDefault,
+    /// The file says which do.
+    Stated,
+}
+
 /// What an actuator acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
@@ -193,8 +204,8 @@ pub struct Robot {
     pub gravity_m_s2: Option<[f64; 3]>,
     /// The step of its simulation, s; `None` where the format has none.
     pub step_s: Option<f64>,
-    /// Whether the file says which shapes touch: contacts are part of its simulation then.
-    pub contacts: bool,
+    /// Whether shapes touch in its simulation.
+    pub contacts: Contacts,
     /// What the file holds and this description leaves out.
     pub unused: Vec<Unused>,
 }

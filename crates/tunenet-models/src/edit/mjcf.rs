@@ -326,7 +326,12 @@ impl<'a> Editor<'a> {
         let own: Vec<usize> = (0..all.len()).filter(|i| all[*i].target == Target::Joint(joint) && fits(*i)).collect();
         match own.as_slice() {
             [one] => Ok(*one),
-            [] => Err("no actuator of the joint has such a number: add one to <actuator>".into()),
+            [] => Err(match self.tendon_of(joint) {
+                Some(name) => format!(
+                    "the tendon `{name}`, which the simulation does not have, moves the joint: the number is of a servo in its place"
+                ),
+                None => "no actuator of the joint has such a number: add one to <actuator>".into(),
+            }),
             several => {
                 let names: Vec<_> = several.iter().map(|i| format!("`{}`", shown(&all[*i].name))).collect();
                 Err(format!(
@@ -335,6 +340,17 @@ impl<'a> Editor<'a> {
                 ))
             }
         }
+    }
+
+    /// The tendon with an actuator of its own that moves the joint.
+    fn tendon_of(&self, joint: usize) -> Option<String> {
+        let robot = self.mjcf.robot();
+        let all = robot.actuators.iter().filter_map(|one| match one.target {
+            Target::Tendon(tendon) => robot.tendons.get(tendon),
+            _ => None,
+        });
+        let mut own = all.filter(|tendon| tendon.terms.iter().any(|(of, _)| *of == joint));
+        own.next().map(|tendon| shown(&tendon.name))
     }
 
     fn note(&mut self, text: &str) {

@@ -28,6 +28,8 @@ pub(super) struct Tree<'a> {
     pub joints: Vec<Joint>,
     pub heads: Heads,
     pub unused: &'a mut Collector,
+    /// The links with a shape that may touch others; `None` for the world.
+    pub touching: HashSet<Option<usize>>,
     link_names: HashSet<String>,
     joint_names: HashSet<String>,
     /// The first numbers that names of bodies and of joints without one may have.
@@ -61,6 +63,7 @@ impl<'a> Tree<'a> {
             joints,
             heads,
             unused,
+            touching: HashSet::new(),
             link_names,
             joint_names,
             next_numbers: [0; 2],
@@ -87,6 +90,9 @@ impl<'a> Tree<'a> {
                     self.children(child, Around { frame: around.frame * own, childclass, ..around })?;
                 }
                 "geom" => {
+                    if self.may_touch(child, around) {
+                        self.touching.insert(around.link);
+                    }
                     if let Some(link) = around.link {
                         self.shape(child, link, around)?;
                     }
@@ -202,6 +208,13 @@ impl<'a> Tree<'a> {
         }
         let moments = given.numbers::<3>("diaginertia")?.unwrap_or_default().into();
         Ok(Inertia::principal(mass_kg, pose.translation.vector, pose.rotation, moments))
+    }
+
+    /// Whether a shape may touch others: both masks are 1 where nothing states them.
+    fn may_touch(&self, element: &Element, around: Around) -> bool {
+        let Ok(class) = self.classes.of(self.document, element, around.childclass) else { return false };
+        let given = Given { document: self.document, own: element, class: Some(&class.geom) };
+        ["contype", "conaffinity"].iter().any(|mask| given.text(mask).is_none_or(|mask| mask.trim() != "0"))
     }
 
     /// Adds the mass of a shape where the body states none.

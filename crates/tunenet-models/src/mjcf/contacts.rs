@@ -1,17 +1,23 @@
-//! Whether a model says which of its shapes touch.
+//! Whether the shapes of a model touch, and whether it says so.
 //!
 //! Every geom touches others by default, also in models that are made for joints alone; who sets `contype` or `conaffinity` to
 //! another number than 0, or lists pairs in `<contact>`, means contacts.
 
+use crate::Contacts;
 use crate::xml::{Document, Element};
 
-/// Whether the document states contacts, and does not switch all of them off.
-pub(super) fn stated(document: &Document) -> bool {
+/// Whether shapes touch in the simulation of the document, in which those of so many links or the world may by their masks.
+pub(super) fn of(document: &Document, touching: usize) -> Contacts {
     let root = &document.root;
     let flags = root.named("option").flat_map(|option| option.named("flag"));
     let off = flags.filter_map(|flag| flag.value("contact")).last() == Some("disable");
     let pairs = root.named("contact").any(|section| !section.children.is_empty());
-    !off && (pairs || root.children.iter().any(enables))
+    match pairs || root.children.iter().any(enables) {
+        _ if off => Contacts::None,
+        true => Contacts::Stated,
+        false if touching > 1 => Contacts::ByDefault,
+        false => Contacts::None,
+    }
 }
 
 /// Whether a shape in this element has a mask that is not 0. Masks are whole numbers.
@@ -23,9 +29,10 @@ fn enables(element: &Element) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::Model;
+    use crate::Contacts::{ByDefault, None, Stated};
+    use crate::{Contacts, Model};
 
-    fn contacts(geom: &str, sections: &str) -> bool {
+    fn contacts(geom: &str, sections: &str) -> Contacts {
         let text = format!(
             "<mujoco>{sections}<worldbody><body name='a'><joint/><geom size='0.1' {geom}/>\
              <body name='b'><geom size='0.1' pos='1 0 0'/></body></body></worldbody></mujoco>"
@@ -35,12 +42,15 @@ mod tests {
 
     #[test]
     fn masks_and_pairs_state_contacts_and_defaults_do_not() {
-        assert!(!contacts("", ""));
-        assert!(!contacts("contype='0' conaffinity='0'", ""));
-        assert!(contacts("contype='1' conaffinity='0'", ""));
-        assert!(contacts("", "<default><geom conaffinity='2'/></default>"));
-        assert!(contacts("", "<contact><exclude body1='a' body2='b'/></contact>"));
-        assert!(!contacts("", "<contact/>"));
-        assert!(!contacts("contype='1'", "<option><flag contact='disable'/></option>"));
+        assert_eq!(contacts("", ""), ByDefault);
+        assert_eq!(contacts("contype='0' conaffinity='0'", ""), None);
+        assert_eq!(contacts("", "<default><geom contype='0' conaffinity='0'/></default>"), None);
+        assert_eq!(contacts("contype='1' conaffinity='0'", ""), Stated);
+        assert_eq!(contacts("", "<default><geom conaffinity='2'/></default>"), Stated);
+        assert_eq!(contacts("", "<contact><exclude body1='a' body2='b'/></contact>"), Stated);
+        assert_eq!(contacts("", "<contact/>"), ByDefault);
+        for geom in ["", "contype='1'"] {
+            assert_eq!(contacts(geom, "<option><flag contact='disable'/></option>"), None);
+        }
     }
 }

@@ -102,8 +102,9 @@ impl Class {
         };
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
-            // Not taken on, but edits have to know of it.
-            let known = name == "springdamper" || known::taken(&element.tag).contains(&name);
+            // Not taken on, but edits have to know of the first, and who asks whether shapes touch of the masks.
+            let noted = matches!(name, "springdamper" | "contype" | "conaffinity");
+            let known = noted || known::taken(&element.tag).contains(&name);
             if known || known::places(&element.tag, name) {
                 list.retain(|old| old.name != attribute.name);
                 list.push(attribute.clone());

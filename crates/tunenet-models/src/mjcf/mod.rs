@@ -82,6 +82,7 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
     left_out::note(&document, &mut unused);
     let mut tree = Tree::new(&document, &compiler, &classes, &mut unused);
     tree.read()?;
+    let contacts = contacts::of(&document, tree.touching.len());
     let (mut links, joints, mut heads) = (tree.links, tree.joints, tree.heads);
     finish_inertias(&document, &mut links, &compiler)?;
     if links.is_empty() {
@@ -107,7 +108,7 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
         actuators: Vec::new(),
         gravity_m_s2,
         step_s: Some(option.1),
-        contacts: contacts::stated(&document),
+        contacts,
         unused: Vec::new(),
     };
     let servos = read_actuators((&document, &compiler, &classes), &mut robot, &mut heads, &mut unused)?;

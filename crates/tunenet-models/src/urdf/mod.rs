@@ -13,7 +13,7 @@ use self::commands::{is_reduction, transmissions};
 use self::tree::Tree;
 use crate::Result;
 use crate::given::Given;
-use crate::robot::{Actuator, Coupling, Filter, Law, Robot, Target};
+use crate::robot::{Actuator, Contacts, Coupling, Filter, Law, Robot, Target};
 use crate::unused::Collector;
 use crate::xml::{Document, Element, shown};
 
@@ -67,7 +67,7 @@ pub(crate) fn read(document: Document) -> Result<Urdf> {
         actuators: Vec::new(),
         gravity_m_s2: None,
         step_s: None,
-        contacts: false,
+        contacts: Contacts::None,
         unused: unused.finish(&document.files),
     };
     robot.actuators = actuators(&document, &robot)?;

@@ -152,7 +152,7 @@ impl Loading<'_> {
         let Some(inside) = inside(Path::new(&name.value), self.reach.leaves) else {
             return wrong(
                 format!("`{}`, which lies outside it", shown(&name.value)),
-                "copy the file into the folder of the model and name it from there, or allow the folder that holds both",
+                "copy the file into the folder of the model, and name it from there",
             );
         };
         // The folder of the main file comes first, as in MuJoCo; then that of the file with the <include>.

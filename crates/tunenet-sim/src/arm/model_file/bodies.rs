@@ -64,11 +64,21 @@ pub(super) fn model(path: &Path, robot: &Robot, driven: Driven) -> Result<Model>
         model.frames.push(Frame { name: link.name.clone(), body: carrier, placement: place });
     }
     if model.bodies.is_empty() {
-        let message = "expected a hinge or a slide, found none";
-        return Err(Error::file(path, message, "is this the model of an arm?"));
+        let expected = "expected a hinge or a slide, found none";
+        let made = robot.unused.iter().find(|left| MAKERS.contains(&left.element.as_str()));
+        return Err(match made {
+            Some(left) => {
+                let message = format!("{expected} without <{}>, which is not read", left.element);
+                Error::file(path, message, "write the bodies themselves: MuJoCo saves a model with them")
+            }
+            None => Error::file(path, expected, "is this the model of an arm?"),
+        });
     }
     Ok(model)
 }
+
+/// Elements of an MJCF that make bodies, and that are not read.
+const MAKERS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
 
 /// How far the joint's frame is moved at a position.
 fn moved(joint: &tunenet_models::Joint, position: f64) -> Pose {

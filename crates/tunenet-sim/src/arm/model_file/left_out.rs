@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
-use tunenet_models::{Actuator, Changes, Filter, Joint, Robot, Target, Unused};
+use tunenet_models::{Actuator, Changes, Contacts, Filter, Joint, Robot, Target, Unused};
 
 use crate::arm::{Body, Model};
 use crate::findings;
@@ -26,7 +26,7 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     let matters = |changes| matches!(changes, Changes::Structure | Changes::Dynamics | Changes::Unknown);
     let mut named: Vec<String> =
         robot.unused.iter().filter(|left| matters(left.changes)).map(ToString::to_string).collect();
-    if robot.contacts {
+    if robot.contacts == Contacts::Stated {
         named.push("contacts between geoms: bodies pass through each other in the simulation".into());
     }
     if !named.is_empty() {
@@ -56,7 +56,7 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
         .map(|coupling| format!("`{}`", visible(&robot.joints[coupling.joint].name)))
         .collect();
     if !bent.is_empty() {
-        let text = format!("joints that follow another one by a curve move freely here: {}", listed(&bent));
+        let text = format!("joints that follow another one by a curve are not tied to it here: {}", listed(&bent));
         notes.push(Note::new(findings::MODEL_LEFT_OUT, text, ""));
     }
     if driven == Driven::Commands {
@@ -75,13 +75,16 @@ pub(super) fn notes(robot: &Robot, driven: Driven) -> Vec<Note> {
     };
     // They are named above as what they do.
     let of_contacts = |left: &Unused| {
-        robot.contacts
+        robot.contacts == Contacts::Stated
             && (left.element == "contact" || matches!(left.attribute.as_deref(), Some("contype" | "conaffinity")))
     };
     let others = robot.unused.iter().filter(|left| !matters(left.changes) && !of_contacts(left));
     let mut kinds: Vec<String> = others.map(tag).collect();
     kinds.sort();
     kinds.dedup();
+    if robot.contacts == Contacts::ByDefault {
+        kinds.push("contacts between geoms (while none touch)".into());
+    }
     let drives = robot.actuators.len();
     if drives > 0 && driven == Driven::Torques {
         kinds.push(format!("{drives} actuators (the recorded torques drive the joints)"));
