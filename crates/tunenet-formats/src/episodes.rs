@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 #[cfg(feature = "logs")]
 use crate::format::is_hdf5;
+use crate::joint_words::{JointQuantity, of_some_joint};
 use crate::numbered;
 use crate::place::Place;
 #[cfg(feature = "logs")]
 use crate::place::is_data_set;
-use crate::proposal::proposal;
+use crate::proposal::{Proposal, proposal};
 use crate::shown::list;
 use crate::units::{self, Calibrated, UnitRule};
 use crate::{Error, Result};
@@ -63,7 +64,12 @@ pub struct EpisodeColumn {
 impl EpisodeColumn {
     /// A column by its readings, with the unit that one of `rules` states.
     pub(crate) fn of(name: &str, readings: &[f64], rules: &[UnitRule]) -> Self {
-        let found = proposal(readings);
+        // What an encoder counts says nothing of speeds and torques.
+        let found = match of_some_joint(name).and_then(|of| of.quantity) {
+            Some(JointQuantity::Velocity) => unshown("a speed"),
+            Some(JointQuantity::Effort) => unshown("a torque or a force"),
+            _ => proposal(readings),
+        };
         let rule = units::rule(rules, name);
         let calibrated = rule.and_then(|rule| rule.calibrated.as_ref());
         let unit = rule.map(|rule| match rule.factor {
@@ -85,6 +91,11 @@ impl EpisodeColumn {
             .map(|first| finite().fold((first, first), |(low, high): (f64, f64), v| (low.min(v), high.max(v))));
         Self { name: name.to_owned(), unit, proposed: found.unit, why, range }
     }
+}
+
+/// That nothing proposes the unit of such a quantity.
+fn unshown(what: &str) -> Proposal {
+    Proposal { unit: None, why: format!("{what} by its name, which says no unit") }
 }
 
 /// Which episodes are asked for: `0-7`, `3`, `0,2,5-6`.
@@ -199,6 +210,14 @@ mod tests {
         assert_eq!(among("4,0-1,0"), Ok(3));
         assert_eq!(among("0,3-9"), Err("3-9".into()));
         assert_eq!(among("2"), Err("2".into()));
+    }
+
+    #[test]
+    fn the_steps_of_an_encoder_say_nothing_of_speeds_and_torques() {
+        let steps: Vec<f64> = (0..99).map(|i| f64::from(i * i % 37) * 360.0 / 4096.0).collect();
+        let proposed = |name: &str| EpisodeColumn::of(name, &steps, &[]).proposed;
+        assert_eq!(proposed("elbow").as_deref(), Some("deg"));
+        assert_eq!([proposed("elbow_velocity"), proposed("elbow.effort")], [None, None]);
     }
 
     #[test]

@@ -67,14 +67,14 @@ impl UnitRule {
 
     /// Whether it is about a column of this name.
     fn is_about(&self, name: &str) -> bool {
-        let one = |pattern: &str| match pattern.split_once('*') {
+        let one = |name: &str| match self.name.split_once('*') {
             Some((start, end)) => {
                 name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end)
             }
-            None => name == pattern,
+            None => name == self.name,
         };
         // What is said of a joint holds for its command too.
-        one(&self.name) || name.strip_prefix(ACTION).is_some_and(|joint| joint == self.name)
+        one(name) || name.strip_prefix(ACTION).is_some_and(one)
     }
 }
 
@@ -159,6 +159,8 @@ mod tests {
 
     #[test]
     fn the_last_rule_that_fits_counts_and_a_joints_holds_for_its_command() {
+        let all = rule_of("left*=deg");
+        assert!(all.is_about("action.left_elbow") && !all.is_about("action.right_elbow"));
         let rules = [rule_of("rad"), rule_of("elbow=deg"), rule_of("action.w*=m")];
         let unit = |name: &str| rule(&rules, name).unwrap().unit.clone();
         assert_eq!(

@@ -280,7 +280,7 @@ pub struct Simulate {
     pub simulation: Simulation,
     #[command(flatten)]
     pub permission: Permission,
-    /// Recording to write: .csv or .mcap
+    /// Recording to write: .csv, or .mcap of a ball or an arm
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
     /// File with the recorded inputs of an external simulator, and the first samples of its states

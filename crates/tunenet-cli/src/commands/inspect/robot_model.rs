@@ -1,5 +1,7 @@
 //! What the model of a robot describes, as `init robot` reads it.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use anyhow::Result;
@@ -19,8 +21,17 @@ pub fn format(path: &Path, ending: &str) -> Option<Format> {
     if !matches!(ending, "urdf" | "xml" | "mjcf") {
         return None;
     }
-    Format::of(&read_text(path).ok()?)
+    // Its first element shows in any encoding; reading it says which one is expected.
+    let begin = || {
+        let mut bytes = Vec::new();
+        File::open(path).ok()?.take(LOOKED_AT).read_to_end(&mut bytes).ok()?;
+        Some(String::from_utf8_lossy(&bytes).into_owned())
+    };
+    Format::of(&read_text(path).ok().or_else(begin)?)
 }
+
+/// Bytes at the beginning of a file in which its first element is looked for.
+const LOOKED_AT: u64 = 1 << 16;
 
 /// Looks into it.
 ///
@@ -33,7 +44,8 @@ pub fn look(path: &Path, format: Format, shown: &mut Printout) -> Result<Value> 
     let rows: Vec<Vec<String>> = joints
         .iter()
         .map(|joint| {
-            vec![visible(&joint.name), kind(joint).into(), range(joint), drive(start.drive(&joint.name)).into()]
+            let drive = if start.lacks_actuator(&joint.name) { "-" } else { drive(start.drive(&joint.name)) };
+            vec![visible(&joint.name), kind(joint).into(), range(joint), drive.into()]
         })
         .collect();
     let count = if joints.len() == 1 { "1 joint".into() } else { format!("{} joints", joints.len()) };
