@@ -402,12 +402,14 @@ pub enum RecordedRow {
     Servo,
     /// The drive of EMPS, from its voltage to its position
     Drive,
+    /// A small arm (SO-101) that follows commands, each of four episodes held out in turn
+    Arm,
 }
 
 /// `tunenet bench recorded`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchRecorded {
-    /// Folder of the recordings, with `servo-sts3215` and `emps` [default: the environment variable `TUNENET_MEASURED`]
+    /// Folder of the recordings, with `servo-sts3215`, `emps`, `lerobot-v3-so101` and `models` [default: the environment variable `TUNENET_MEASURED`]
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER")]
     pub measured: Option<PathBuf>,

@@ -118,6 +118,8 @@ pub const SERVO_S: f64 = 20.0;
 /// ... the drive of EMPS: greatest error of the simulation without feedback, mm, and what is offered first.
 pub const DRIVE_RMS_MM: f64 = 2.9;
 pub const DRIVE_NAME: &str = "directional_friction";
+/// ... an arm: what is left of a held-out episode over what a delay, a lag, a gain, an offset and a speed limit of each joint leave.
+pub const ARM_TIMES: f64 = 1.05;
 
 /// `bench rollouts`, most rollouts: a cart with one recording and with six, a two-link arm, 20 parameters with 10 recordings, and a
 /// ball without noise.

@@ -1,7 +1,9 @@
 //! `tunenet bench recorded`: what `diagnose` makes of real joints, whose recordings are no part of this project, held against figures that
 //! others published for the same recordings.
 
+mod arm;
 mod drive;
+mod lagged;
 mod servo;
 mod table;
 
@@ -24,11 +26,11 @@ use crate::tool::{Said, answered};
 /// What is measured, held against its goal.
 #[derive(Debug, Clone, Serialize)]
 struct Row {
-    what: &'static str,
+    what: String,
     aim: String,
     measured: String,
     /// What others have for the same recordings.
-    others: &'static str,
+    others: String,
     /// `None` where it is only reported.
     met: Option<bool>,
 }
@@ -52,6 +54,11 @@ pub fn run(options: &BenchRecorded) -> Result<Exit> {
     if wanted(RecordedRow::Drive) {
         stage("diagnose", "the drive");
         rows.extend(drive::rows(&measured.join("emps"), tempfile::tempdir()?.path())?);
+    }
+    if wanted(RecordedRow::Arm) {
+        stage("diagnose", "the arm");
+        let (model, data) = (measured.join("models/so101/so101_new_calib.xml"), measured.join("lerobot-v3-so101"));
+        rows.extend(arm::rows(&model, &data, tempfile::tempdir()?.path())?);
     }
     let results = RecordedResults { schema: "tunenet.bench.recorded/1", version: env!("CARGO_PKG_VERSION"), rows };
     let (text, value) = (markdown(&results), serde_json::to_value(&results)?);
@@ -99,7 +106,8 @@ mod tests {
 
     #[test]
     fn rows_without_a_goal_have_no_verdict() {
-        let row = |met| Row { what: "error", aim: "at most 1".into(), measured: "2".into(), others: "3", met };
+        let row =
+            |met| Row { what: "error".into(), aim: "at most 1".into(), measured: "2".into(), others: "3".into(), met };
         let results =
             RecordedResults { schema: "s", version: "0", rows: vec![row(None), row(Some(true)), row(Some(false))] };
         let text = markdown(&results);
