@@ -43,7 +43,7 @@ fn made(path: &Path, times: &[f64], heights: &[Option<f64>]) {
     writer.close().unwrap();
 }
 
-/// Whatever was read before, rows are those of the file: after the last ones, before them, or again.
+/// Rows are those of the file after any others: the next ones, earlier ones, or the same again.
 #[test]
 fn rows_are_the_same_in_any_order_of_reading() {
     let folder = tempfile::tempdir().unwrap();
