@@ -81,7 +81,7 @@ fn messages_stay_short() {
 fn pipes_and_devices_are_refused_and_not_waited_for() {
     let folder = Folder::with_scene();
     folder.write("drop.csv", Drop::default().csv());
-    folder.shell("mkfifo a.csv a.toml a.mcap a.safetensors").ends(0);
+    folder.shell("mkfifo a.csv a.toml a.mcap a.safetensors a.xml").ends(0);
     observation(&folder, "a.csv", &["a.csv: expected a file, found a pipe", "> recording.csv"]);
     observation(&folder, "a.mcap", &["a.mcap: expected a file, found a pipe"]);
     for line in [
@@ -91,6 +91,7 @@ fn pipes_and_devices_are_refused_and_not_waited_for() {
     ] {
         refused(&folder, line, &["expected a file, found a pipe"]);
     }
+    refused(&folder, "inspect a.xml", &["a.xml: expected a file, found a pipe"]);
     refused(&folder, "inspect /dev/zero", &["/dev/zero: expected a file, found a device"]);
     let piped = folder.shell("cat drop.csv | $TUNENET inspect /dev/stdin").ends(1);
     assert!(piped.stderr.contains("/dev/stdin: expected a file, found a pipe"), "{}", piped.stderr);

@@ -24,7 +24,9 @@ pub fn format(path: &Path, ending: &str) -> Option<Format> {
     // Its first element shows in any encoding; reading it says which one is expected.
     let begin = || {
         let mut bytes = Vec::new();
-        File::open(path).ok()?.take(LOOKED_AT).read_to_end(&mut bytes).ok()?;
+        // A pipe would be waited for.
+        let file = path.is_file().then(|| File::open(path).ok())??;
+        file.take(LOOKED_AT).read_to_end(&mut bytes).ok()?;
         Some(String::from_utf8_lossy(&bytes).into_owned())
     };
     Format::of(&read_text(path).ok().or_else(begin)?)
@@ -41,13 +43,10 @@ pub fn look(path: &Path, format: Format, shown: &mut Printout) -> Result<Value> 
     let Stated { model, start, notes } = stated(path)?;
     let joints = model.joints();
     let format = if format == Format::Mjcf { "MJCF" } else { "URDF" };
-    let rows: Vec<Vec<String>> = joints
-        .iter()
-        .map(|joint| {
-            let drive = if start.lacks_actuator(&joint.name) { "-" } else { drive(start.drive(&joint.name)) };
-            vec![visible(&joint.name), kind(joint).into(), range(joint), drive.into()]
-        })
-        .collect();
+    let own = |joint: &Joint| (!start.lacks_actuator(&joint.name)).then(|| drive(start.drive(&joint.name)));
+    let row =
+        |joint: &Joint| vec![visible(&joint.name), kind(joint).into(), range(joint), own(joint).unwrap_or("-").into()];
+    let rows: Vec<Vec<String>> = joints.iter().map(|joint| row(joint)).collect();
     let count = if joints.len() == 1 { "1 joint".into() } else { format!("{} joints", joints.len()) };
     shown.row("model", &format!("{format} of a robot with {count}"));
     shown.table(&rows);
@@ -56,7 +55,7 @@ pub fn look(path: &Path, format: Format, shown: &mut Printout) -> Result<Value> 
     shown.warn_all(&notes);
     let of = |joint: &&Joint| {
         let [lower, upper] = [joint.limits.lower, joint.limits.upper].map(|end| end.is_finite().then_some(end));
-        json!({ "name": joint.name, "kind": kind(joint), "min": lower, "max": upper, "drive": drive(start.drive(&joint.name)) })
+        json!({ "name": joint.name, "kind": kind(joint), "min": lower, "max": upper, "drive": own(joint) })
     };
     Ok(json!({ "kind": "robot model", "for": "start a simulation file", "format": format,
         "joints": joints.iter().map(of).collect::<Vec<_>>(),
