@@ -118,7 +118,7 @@ pub(crate) fn read(document: Document) -> Result<Mjcf> {
 }
 
 /// Elements that make bodies, and that the reader leaves out.
-const MAKERS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
+pub const MAKERS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
 
 /// That there are no bodies, and which element would make some.
 fn without_bodies(document: &Document) -> Error {

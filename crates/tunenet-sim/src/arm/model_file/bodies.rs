@@ -6,6 +6,7 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 use tunenet_core::observation::Note;
 use tunenet_core::text::visible;
 use tunenet_formats::{Error, Result};
+use tunenet_models::mjcf::MAKERS;
 use tunenet_models::{Motion, Robot, Weight};
 
 use super::left_out::{self, Driven};
@@ -76,9 +77,6 @@ pub(super) fn model(path: &Path, robot: &Robot, driven: Driven) -> Result<Model>
     }
     Ok(model)
 }
-
-/// Elements of an MJCF that make bodies, and that are not read.
-const MAKERS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
 
 /// How far the joint's frame is moved at a position.
 fn moved(joint: &tunenet_models::Joint, position: f64) -> Pose {
