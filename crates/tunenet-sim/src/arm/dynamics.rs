@@ -90,11 +90,6 @@ impl<'a> Recursion<'a> {
         }
     }
 
-    /// Places all bodies where those of another recursion over the same model are.
-    pub(crate) fn placed_as(&mut self, other: &Self) {
-        self.links.copy_from_slice(&other.links);
-    }
-
     /// Places all bodies at the position `q`.
     ///
     /// # Panics
@@ -121,6 +116,16 @@ impl<'a> Recursion<'a> {
             link.arm = arm;
             link.position = position + arm;
         }
+    }
+
+    /// Where the frame of a body is, by its place in the list of the model: its orientation and its origin.
+    pub(super) fn place_of(&self, body: usize) -> (&Rotation3<f64>, Vector3<f64>) {
+        (&self.links[body].rotation, self.links[body].position)
+    }
+
+    /// The axis of the joint that moves a body.
+    pub(super) fn axis_of(&self, body: usize) -> Vector3<f64> {
+        self.links[body].axis
     }
 
     /// The motion of all bodies where they are placed, and the force and moment that each alone needs.

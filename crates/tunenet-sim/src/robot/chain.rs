@@ -1,5 +1,5 @@
-//! Several driven joints: the scheme of one joint with the mass matrix of the chain, by the recursion of Newton and Euler (Walker and
-//! Orin 1982), and the frictions of all joints together by projected Gauss–Seidel (Moreau 1988; Jean 1999).
+//! Several driven joints: the scheme of one joint with the mass matrix of the chain, and the frictions of all joints together by
+//! projected Gauss–Seidel (Moreau 1988; Jean 1999).
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use tunenet_core::statistics::dot;
@@ -7,7 +7,7 @@ use tunenet_core::statistics::dot;
 use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
-use crate::arm::{Model, Recursion};
+use crate::arm::{CompositeBodies, Model, Recursion};
 
 /// The weight and the products of speeds are taken at the middle of a step, whose end is not known at first: so often they are renewed.
 const PASSES: usize = 2;
@@ -20,7 +20,7 @@ const SETTLED: f64 = 1e-13;
 struct Chain<'a> {
     joints: &'a [JointNumbers],
     weighing: Recursion<'a>,
-    weightless: Recursion<'a>,
+    composites: CompositeBodies<'a>,
     mass: DMatrix<f64>,
     /// The mass matrix with the braking of half a step, and its inverse.
     braked: DMatrix<f64>,
@@ -28,8 +28,6 @@ struct Chain<'a> {
     /// Torque that rigid bodies ask for at rest in acceleration.
     bias: Vec<f64>,
     zeros: Vec<f64>,
-    unit: Vec<f64>,
-    column: Vec<f64>,
     /// What encoders read at the middle of the step, true positions there, and speeds.
     measured: Vec<f64>,
     place: Vec<f64>,
@@ -84,14 +82,12 @@ impl<'a> Chain<'a> {
         Self {
             joints,
             weighing: Recursion::new(model, gravity),
-            weightless: Recursion::new(model, Vector3::zeros()),
+            composites: CompositeBodies::new(model),
             mass: square.clone(),
             braked: square.clone(),
             inverse: square,
             bias: list.clone(),
             zeros: list.clone(),
-            unit: list.clone(),
-            column: list.clone(),
             measured: list.clone(),
             place: list.clone(),
             middle: list.clone(),
@@ -143,13 +139,9 @@ impl<'a> Chain<'a> {
 
     /// The mass matrix where the chain is, armatures included.
     fn weigh(&mut self) {
-        self.weightless.placed_as(&self.weighing);
-        for j in 0..self.joints.len() {
-            self.unit.fill(0.0);
-            self.unit[j] = 1.0;
-            self.weightless.torques(&self.zeros, &self.unit, &mut self.column);
-            self.mass.column_mut(j).copy_from_slice(&self.column);
-            self.mass[(j, j)] += self.joints[j].armature;
+        self.composites.mass_matrix(&self.weighing, &mut self.mass);
+        for (j, joint) in self.joints.iter().enumerate() {
+            self.mass[(j, j)] += joint.armature;
         }
     }
 
