@@ -5,6 +5,7 @@ use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
 use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::verdict::{Decision, decide};
+use crate::diagnose::discrepancy::discrepancy_doubt;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, rmse};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
@@ -102,7 +103,7 @@ impl<'a> Judgement<'a> {
         let contradicts = worst.filter(|(_, ratio)| *ratio > NOTHING_HELD_OUT);
         let held_out = (before.as_ref(), after.as_ref());
         let noise = floor.sqrt();
-        let doubt = validation_doubt(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
+        let doubt = doubt_of(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
         let doubt = doubt.filter(|_| whole);
         let differs = per_recording.map(|fits| Doubt::DiffersBetweenRecordings(fits.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
@@ -155,6 +156,23 @@ impl<'a> Judgement<'a> {
     pub fn events_open(&self) -> bool {
         matches!(self.scope, Scope::Segments { events_open: true })
     }
+}
+
+/// What speaks against naming the effects of `found` alone: of things that are not expected to be explained down to their noise, by tests
+/// of their own. `left` is what the effects leave of the recordings that were fitted, and the noise, root mean squares.
+fn doubt_of(
+    context: &Context,
+    found: &Selection,
+    held_out: (Option<&HeldOut>, Option<&HeldOut>),
+    left: (f64, f64),
+    practical: bool,
+) -> Option<Doubt> {
+    let all = || validation_doubt(context, found, held_out, left, practical);
+    if context.evidence.driven() || !context.evidence.discrepancy() {
+        return all();
+    }
+    let doubt = discrepancy_doubt(context, found, held_out, left, practical);
+    if practical { doubt } else { doubt.or_else(all) }
 }
 
 /// Root mean square of what a hypothesis leaves of the recordings that were fitted, in the channels' unit.

@@ -1,6 +1,7 @@
 //! Forward selection by the information criterion with few independent values (Schwarz 1978), every effect confirmed by held-out
-//! recordings before the next is looked for.
+//! recordings before the next is looked for, and backward elimination at the end.
 
+use super::elimination::eliminated;
 use super::scale::{BRIEF, FINISH, LOSS, rescaled};
 use super::selection_step::{DiscrepancyStep, brief_step, selection_step};
 use super::wide_search::{is_affordable, widened};
@@ -114,6 +115,7 @@ fn search_from<'a>(
         let found = Selection { alone: candidates, ..Selection::tuned(model) };
         return Ok(Gated { context, found, tests });
     };
+    let best = eliminated(&context, best)?;
     let (best, selected) = judge_selected(&context, best, &mut steps)?;
     let DiscrepancyStep { model, candidates } = steps.remove(0);
     let base = context.fit_near_with(&[], &model, FINISH)?;
