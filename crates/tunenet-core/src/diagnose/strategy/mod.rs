@@ -211,7 +211,7 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     let mut base = fit_null(context)?;
     let mut returns = 0;
     loop {
-        while !is_far_above_noise(&base) {
+        while !is_far_above_noise(context, &base) {
             let again = Hypothesis { structure: context.structure(&[])?, fit: base.fit.clone() };
             let attempt = WholeRecord.attempt(Attempt::started(context.clone(), again), progress)?;
             let better = if returns < MOST_RETURNS { better_null(context, &base, &attempt.found)? } else { None };
@@ -227,7 +227,7 @@ fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         let gated = search_gated(context, &base, progress)?;
         // What leads out of a local minimum without a name of its own may lead to where nothing is missing.
         let better = if gated.found.best.is_none() && returns <= MOST_RETURNS {
-            lower_null(context, &base, &gated.found.base)?.filter(|better| !is_far_above_noise(better))
+            lower_null(context, &base, &gated.found.base)?.filter(|better| !is_far_above_noise(context, better))
         } else {
             None
         };
