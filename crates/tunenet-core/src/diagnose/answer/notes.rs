@@ -70,7 +70,11 @@ pub(in crate::diagnose) fn note_contradiction(judged: &Judgement, uses: &[Use], 
         uses[recording].name,
         three_digits(ratio)
     );
-    notes.push(Note::new(findings::RECORDINGS_ODD, text, "check its object, units and frame rate, or fit it too"));
+    notes.push(Note::new(
+        findings::RECORDINGS_ODD,
+        text,
+        "check its object, load, units and frame rate, or fit it too",
+    ));
 }
 
 /// Says which effects explain more than the answer and are excluded by a coefficient, and which objects need a coefficient that

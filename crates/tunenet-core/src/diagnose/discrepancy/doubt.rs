@@ -15,7 +15,7 @@ use crate::statistics::NORMAL_95;
 /// there, and an effect that imitates a wrong load 10 times.
 const OTHER_SETUPS_OVER_FITTED: f64 = 1.5;
 
-/// What is left is more than integration in other steps or smoothed friction leaves, 1 to 2 times the noise in recordings of a servo by
+/// What is left, also of held-out recordings, is more than integration in other steps or smoothed friction leaves, 1 to 2 times the noise in recordings of a servo by
 /// another simulator. A wrong load or a gap on the side of the encoder leaves 5 to 9 times, a lag of the commands 17 and more, and the
 /// nearest effect forecasts as much, in other setups as well.
 const REMAINS: f64 = 3.0;
@@ -34,7 +34,8 @@ pub(in crate::diagnose) fn discrepancy_doubt(
     practical: bool,
 ) -> Option<Doubt> {
     let best = found.best.as_ref()?;
-    let remains = fitted > REMAINS * floor || practical && explains_less_than_half((before, after), floor);
+    let most = after.map_or(fitted, |after| after.rmse.max(fitted));
+    let remains = most > REMAINS * floor || practical && explains_less_than_half((before, after), floor);
     if remains {
         return Some(Doubt::DiscrepancyRemains);
     }
