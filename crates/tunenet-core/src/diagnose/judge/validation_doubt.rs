@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, is_required};
-use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
 use crate::simulator::Text;
 
@@ -236,6 +236,7 @@ mod tests {
     use crate::diagnose::hypothesis::forward_selection::search;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::judge::adequacy::is_adequate;
+    use crate::diagnose::judge::held_out_proof::validate;
     use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
 
     #[test]
