@@ -278,6 +278,25 @@ mod tests {
         });
     }
 
+    /// Of things that are not expected to be explained down to their noise, held-out recordings of other setups may leave more than those that
+    /// were fitted, and far more shows that these hide something.
+    #[test]
+    fn far_more_in_other_setups_contradicts_that_nothing_is_missing() {
+        in_swings(&[], 4, 1, |context| {
+            let of = |times: f64| {
+                let mut evidence = Evidence::clone(&context.evidence);
+                evidence.training.iter_mut().for_each(|one| one.prepared.discrepancy = true);
+                evidence.validation[0].noise.iter_mut().for_each(|noise| *noise /= times);
+                let context = context.with_evidence(evidence);
+                let judged = Judgement::new(explain(&context, &|_| {}).unwrap()).unwrap();
+                (judged.decision.verdict, judged.contradicts.is_some())
+            };
+            assert_eq!(of(1.0), (Verdict::None, false));
+            assert_eq!(of(2.0), (Verdict::None, false));
+            assert_eq!(of(5.0), (Verdict::Unknown, true));
+        });
+    }
+
     #[test]
     fn a_hypothesis_is_reported_with_its_effects() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
