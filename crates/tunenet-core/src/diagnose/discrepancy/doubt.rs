@@ -15,9 +15,9 @@ use crate::statistics::NORMAL_95;
 /// there, and an effect that imitates a wrong load 10 times.
 const OTHER_SETUPS_OVER_FITTED: f64 = 1.5;
 
-/// What is left, also of held-out recordings, is more than integration in other steps or smoothed friction leaves, 1 to 2 times the noise in recordings of a servo by
-/// another simulator. A wrong load or a gap on the side of the encoder leaves 5 to 9 times, a lag of the commands 17 and more, and the
-/// nearest effect forecasts as much, in other setups as well.
+/// What is left, also of held-out recordings, is more than integration in other steps or smoothed friction leaves, 1 to 2 times the noise in
+/// recordings of a servo by another simulator. A wrong load or a gap on the side of the encoder leaves 5 to 9 times, a lag of the commands 17
+/// and more, and the nearest effect forecasts as much, in other setups as well.
 const REMAINS: f64 = 3.0;
 
 /// Effects that leave structure explain at least this share of the mean square that held-out recordings have beyond noise. Friction that
