@@ -110,7 +110,7 @@ impl<'a> Judgement<'a> {
         let doubt = doubt.filter(|_| whole);
         let differs = per_recording.map(|fits| Doubt::DiffersBetweenRecordings(fits.effects));
         let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
-        let unvaried = is_one_setup_of_several_channels(evidence).then_some(Doubt::OneSetup);
+        let unvaried = evidence.is_one_setup_of_several_channels().then_some(Doubt::OneSetup);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let doubt = doubt.or(differs).or(random).or(unvaried);
         let doubt = match (doubt, &found.best) {
@@ -184,12 +184,6 @@ pub(in crate::diagnose) fn root_mean_square(context: &Context, model: &Hypothesi
     Ok(rmse(context.recordings(), &plain, 0.0))
 }
 
-/// Whether recordings of several channels, which no simulation explains down to their noise, all have one setup. Effects that have a number
-/// for each channel then follow what is left of one of them.
-fn is_one_setup_of_several_channels(evidence: &Evidence) -> bool {
-    evidence.discrepancy_in_one_setup() && evidence.training[0].width() > 1
-}
-
 /// Of recordings that no simulation explains down to their noise: an effect whose intervals all include its absence.
 fn including_absence(context: &Context, best: &Hypothesis, heterogeneous: bool) -> Result<Option<Text>> {
     if !context.evidence.discrepancy() {
@@ -249,14 +243,14 @@ mod tests {
             for recording in &mut evidence.training {
                 recording.prepared.discrepancy = true;
             }
-            assert!(!is_one_setup_of_several_channels(&evidence), "a single channel");
+            assert!(!evidence.is_one_setup_of_several_channels(), "a single channel");
             for recording in &mut evidence.training {
                 recording.noise.push(1.0);
             }
-            assert!(is_one_setup_of_several_channels(&evidence));
+            assert!(evidence.is_one_setup_of_several_channels());
             let other = Circumstances { setup: 1, ..Circumstances::default() };
             evidence.training[1].prepared.circumstances = Some(Arc::new(other));
-            assert!(!is_one_setup_of_several_channels(&evidence), "another setup");
+            assert!(!evidence.is_one_setup_of_several_channels(), "another setup");
         });
     }
 

@@ -31,8 +31,7 @@ const INDEPENDENT_S: f64 = 0.6;
 
 /// Whether what `base` leaves is far above the noise of the recordings.
 pub(in crate::diagnose) fn is_far_above_noise(context: &Context, base: &Hypothesis) -> bool {
-    let several = context.recordings().first().is_some_and(|recording| recording.width() > 1);
-    let far = if several && context.evidence.discrepancy_in_one_setup() { FAR_IN_SEVERAL } else { FAR };
+    let far = if context.evidence.is_one_setup_of_several_channels() { FAR_IN_SEVERAL } else { FAR };
     spread(&base.fit.residuals) > far
 }
 

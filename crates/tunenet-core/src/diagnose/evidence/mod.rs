@@ -94,6 +94,11 @@ impl Evidence {
         self.discrepancy() && self.training.iter().all(|recording| setup(recording) == setup(&self.training[0]))
     }
 
+    /// The same of recordings of several channels. Effects that have a number for each channel then follow what is left of one of them.
+    pub fn is_one_setup_of_several_channels(&self) -> bool {
+        self.discrepancy_in_one_setup() && self.training[0].width() > 1
+    }
+
     /// Whether all that is fitted shows one motion, however often. A driven recording is many: its input visits what a start
     /// state would have to choose.
     pub fn shows_one_motion(&self) -> bool {
