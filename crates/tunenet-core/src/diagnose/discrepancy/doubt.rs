@@ -46,7 +46,8 @@ pub(in crate::diagnose) fn discrepancy_doubt(
     let doubt = doubt.or_else(within);
     let doubt = doubt.or_else(|| unconfirmed(context, best, before?, after?).filter(|_| !practical));
     let weak = || {
-        let (entry, _) = idle(context, best).ok().flatten()?;
+        // The search that ends with practical significance has eliminated such effects itself.
+        let (entry, _) = if practical { None } else { idle(context, best).ok().flatten() }?;
         Some(Doubt::Weak(context.catalogue[entry].name.clone()))
     };
     let doubt = doubt.or_else(weak);
@@ -148,6 +149,10 @@ mod tests {
                 doubt(evidence.clone(), 4.0),
                 [Some(Doubt::DiscrepancyRemains), Some(Doubt::DiscrepancyRemains)]
             );
+            let far = HeldOut { rmse: 4.0 * NOISE_RAD, ..after.clone() };
+            let left = (2.0 * NOISE_RAD, NOISE_RAD);
+            let of_held_out = discrepancy_doubt(context, &found, (Some(&before), Some(&far)), left, true);
+            assert_eq!(of_held_out, Some(Doubt::DiscrepancyRemains), "of held-out recordings alone");
             let other = Circumstances { setup: 1, ..Circumstances::default() };
             evidence.training[1].prepared.circumstances = Some(Arc::new(other));
             assert_eq!(doubt(evidence.clone(), 2.0), [None, None]);
