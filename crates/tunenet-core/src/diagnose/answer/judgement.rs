@@ -7,7 +7,7 @@ use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::verdict::{Decision, decide};
 use crate::diagnose::discrepancy::discrepancy_doubt;
 use crate::diagnose::evidence::recording::PreparedRecording;
-use crate::diagnose::evidence::{Evidence, rmse};
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::adequacy::noise_correlation;
@@ -230,6 +230,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::diagnose::evidence::Evidence;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
     use crate::observation::Circumstances;
