@@ -53,19 +53,12 @@ impl<'a> Ahead<'a> {
         if self.is_empty() {
             return Ok(());
         }
-        let base = if let Some(known) = self.base {
-            known
-        } else {
-            let base = session.host.carrying(&[])?;
-            let met = self.met(base.as_ref(), &session.base.point.parameters, session.log);
-            met.map_or(f64::INFINITY, |met| self.rms(&met))
-        };
-        self.base = Some(base);
-        gates.held_out_base = Some(base);
         gates.held_out_ratio = Some(f64::INFINITY);
         let simulator = session.carrying(response, &law.terms, &law.numbers())?;
         let parameters = &law.fit.point.parameters;
-        let Some(met) = self.met(simulator.as_ref(), parameters, session.log) else { return Ok(()) };
+        let met = self.met(simulator.as_ref(), parameters, session.log);
+        gates.held_out_base = Some(self.base(session, met.as_ref())?);
+        let Some(met) = met else { return Ok(()) };
         gates.held_out_ratio = Some(self.rms(&met));
         let free: Vec<usize> = session.free.iter().copied().chain(law.first..parameters.len()).collect();
         let point = Point { parameters: parameters.clone(), nuisances: met.starts.clone() };
@@ -108,6 +101,31 @@ impl<'a> Ahead<'a> {
                 Some(residual_force(known, &residuals, linear.columns(), Shared::Known(&covariance)));
         }
         Ok(())
+    }
+
+    /// The error of the base model, with initial states from those of a law, which lie nearer to the true ones than guesses do.
+    fn base(&mut self, session: &Session, law: Option<&Met>) -> Result<f64> {
+        if let Some(known) = self.base {
+            return Ok(known);
+        }
+        let simulator = session.host.carrying(&[])?;
+        let parameters = &session.base.point.parameters;
+        let near = law.map(|law| Point { parameters: parameters.clone(), nuisances: law.starts.clone() });
+        let fitted = near.and_then(|start| {
+            let problem = Problem {
+                simulator: simulator.as_ref(),
+                recordings: self.recordings,
+                noise: self.noise,
+                free: &[],
+                log: Some(session.log),
+            };
+            let fit = problem.fit(start, 1.0).ok()?;
+            Some(Met { starts: fit.point.nuisances, residuals: fit.residuals })
+        });
+        let met = fitted.or_else(|| self.met(simulator.as_ref(), parameters, session.log));
+        let base = met.map_or(f64::INFINITY, |met| self.rms(&met));
+        self.base = Some(base);
+        Ok(base)
     }
 
     /// Fits the initial states, each recording on its own; nothing where the simulator refuses.

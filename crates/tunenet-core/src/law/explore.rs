@@ -8,20 +8,27 @@ use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
 use super::second;
 use super::simplify::simplify;
+use super::term::Term;
 
 /// How many forms are fitted through rollouts: of one factor, products; how many of these are fitted further and simplified.
 const SINGLES: usize = 25;
 const PRODUCTS: usize = 10;
 const FURTHER: usize = 5;
 const SIMPLIFIED: usize = 6;
-/// Steps of the first fits, and of rivals.
+/// Steps of the first fits, and of rivals; of those that are fitted further, with measured derivatives.
 const FIRST_STEPS: usize = 4;
+const FURTHER_STEPS: (usize, usize) = (10, 4);
 const RIVAL_STEPS: usize = 6;
 /// How often the best law is fitted on, and which gain ends that.
 const SETTLED: usize = 4;
 const ENOUGH: f64 = 0.1;
 /// How often the response is measured anew about the best law.
 const ROUNDS: usize = 3;
+
+/// These terms with free exponents: about a rounded one recordings answer as about the free one.
+fn opened(terms: &[Term]) -> Vec<Term> {
+    terms.iter().map(Term::opened).collect()
+}
 
 /// A law fitted until it gains no more: about another place the response says little of its rivals.
 fn settled(session: &Session, around: &Around, law: &Law) -> Law {
@@ -47,7 +54,11 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
     let begun = singles.iter().take(SINGLES).chain(products.iter().take(PRODUCTS));
     let begun: Vec<Candidate> = begun.cloned().collect();
     let mut laws = ranked(session.fits(&base, &begun, FIRST_STEPS));
-    let further = |law: &Law| session.finish(&base.response, law).unwrap_or_else(|| law.clone());
+    let further = |law: &Law| {
+        let (numbers, start) = (law.numbers(), law.fit.point.clone());
+        let found = session.fitted(&base.response, (&law.terms, &numbers), start, None, FURTHER_STEPS);
+        found.unwrap_or_else(|| law.clone())
+    };
     let few = if session.within() { FURTHER } else { 0 };
     let better: Vec<Law> = laws.par_iter().take(few).map(further).collect();
     laws.splice(..better.len(), better);
@@ -56,7 +67,7 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
     let mut about: Option<Law> = None;
     for _ in 0..ROUNDS {
         let Some(best) = laws.first().filter(|best| best.terms.len() == 1 && session.within()) else { break };
-        if about.as_ref().is_some_and(|law| is_same(&law.terms, &best.terms)) {
+        if about.as_ref().is_some_and(|law| is_same(&opened(&law.terms), &opened(&best.terms))) {
             break;
         }
         let best = settled(session, &around, best);
