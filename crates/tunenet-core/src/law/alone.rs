@@ -1,12 +1,17 @@
 //! Which laws a law has to surpass before it stands alone (Burnham and Anderson 2002, sections 2.2 and 6.4): the Schwarz criterion ranks
 //! laws and prefers the simpler one where both explain as much, which is no evidence against the other. Laws of as many factors are
-//! therefore compared by Akaike's criterion as well.
+//! therefore compared by Akaike's criterion as well, unless they claim more than was visited: a bump of which one flank was seen only is any
+//! smooth function that rises.
 
 use super::answer::Member;
 use super::forms::is_same;
+use super::found::WIDER;
 use super::price;
 use super::refit::{Law, Session};
+use super::response::Response;
+use super::shape::{Range, Role};
 use super::term::Term;
+use crate::statistics::NORMAL_95;
 
 /// Akaike's price of a number, in twice the logarithmic likelihood.
 const NUMBER: f64 = 2.0;
@@ -30,15 +35,71 @@ fn factors(law: &Law) -> Option<usize> {
     Some(one.factors.len())
 }
 
-/// The laws that lie within `margin` of the best by the criterion of Schwarz, `best`, or have substantial support by Akaike's with as many
-/// factors and at most one number more: those between which recordings do not decide.
-pub(super) fn near(session: &Session, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
-    let Some(lead) = laws.iter().max_by(|a, b| a.bic.total_cmp(&b.bic)) else { return laws };
-    let (leads, size, most) = (lead.bic >= best - margin, factors(lead), chosen(lead) + 1);
-    let least = akaike(session, lead) - SUBSTANTIAL;
-    let as_simple = |law: &Law| leads && size.is_some() && factors(law) == size && chosen(law) <= most;
-    let within = |law: &Law| law.bic >= best - margin || as_simple(law) && akaike(session, law) >= least;
-    laws.into_iter().filter(within).collect()
+/// What recordings say for a law, in twice the logarithmic likelihood.
+#[derive(Debug, Clone, Copy)]
+struct Support {
+    /// By the criterion of Schwarz, and by that of Akaike.
+    schwarz: f64,
+    akaike: f64,
+    /// Of one term: how many factors it has.
+    factors: Option<usize>,
+    /// How many numbers the data chose.
+    chosen: usize,
+    /// Whether the middle of every bump was visited.
+    visited: bool,
+}
+
+impl Support {
+    fn of(session: &Session, response: &Response, law: &Law) -> Self {
+        let visited = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
+        Self { schwarz: law.bic, akaike: akaike(session, law), factors: factors(law), chosen: chosen(law), visited }
+    }
+
+    /// Whether recordings do not decide between this law and `lead`: it lies within `margin` of `best` by the criterion of Schwarz, or has,
+    /// where `lead` does, substantial support by Akaike's with as many factors, at most one number more, and no unvisited middle.
+    fn is_near(&self, lead: &Self, best: f64, margin: f64) -> bool {
+        let leads = lead.schwarz >= best - margin;
+        let as_simple = lead.factors.is_some() && self.factors == lead.factors && self.chosen <= lead.chosen + 1;
+        let as_simple = as_simple && leads && self.visited;
+        self.schwarz >= best - margin || as_simple && self.akaike >= lead.akaike - SUBSTANTIAL
+    }
+}
+
+/// Which of these laws are near the best of them; `best` is the support of the best one by the criterion of Schwarz, their own where it is
+/// not given.
+fn nearest(all: &[Support], best: Option<f64>, margin: f64) -> Vec<bool> {
+    let Some(lead) = all.iter().max_by(|a, b| a.schwarz.total_cmp(&b.schwarz)) else { return Vec::new() };
+    let best = best.unwrap_or(lead.schwarz);
+    all.iter().map(|one| one.is_near(lead, best, margin)).collect()
+}
+
+fn kept<T>(all: Vec<T>, keep: Vec<bool>) -> Vec<T> {
+    all.into_iter().zip(keep).filter_map(|(one, keep)| keep.then_some(one)).collect()
+}
+
+/// Whether the 95 % interval of the middle of every bump lies within what the recordings visited.
+fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], ranges: &[Range]) -> bool {
+    let mut before = 0;
+    terms.iter().zip(numbers).all(|(term, values)| {
+        let mut at = term.components;
+        let visited = term.factors.iter().all(|factor| {
+            let range = &ranges[factor.variable];
+            let middle = factor.open().iter().position(|role| *role == Role::Place).is_none_or(|i| {
+                let half = NORMAL_95 * WIDER * deviations[before + at + i];
+                range.low <= values[at + i] - half && values[at + i] + half <= range.high
+            });
+            at += factor.constants();
+            middle
+        });
+        before += values.len();
+        visited
+    })
+}
+
+/// The laws between which fitted recordings do not decide.
+pub(super) fn near(session: &Session, response: &Response, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
+    let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law)).collect();
+    kept(laws, nearest(&support, Some(best), margin))
 }
 
 /// The members without those that are another one with its exponents free, where these leave no other multiple of one half open: both are
@@ -49,8 +110,8 @@ pub(super) fn merged(members: Vec<(Law, Member)>) -> Vec<(Law, Member)> {
         let intervals: Vec<(f64, f64)> = found.numbers.iter().map(|number| number.interval95).collect();
         members.iter().any(|(one, _)| one.terms.len() == 1 && rounds(&one.terms[0], free, &intervals))
     };
-    let kept: Vec<bool> = members.iter().map(|one| !is_said(one)).collect();
-    members.into_iter().zip(kept).filter_map(|(one, kept)| kept.then_some(one)).collect()
+    let keep = members.iter().map(|one| !is_said(one)).collect();
+    kept(members, keep)
 }
 
 /// Whether `rounded` is `free` with exponents rounded to the only multiples of one half that the intervals of the numbers of `free` hold.
@@ -84,6 +145,40 @@ mod tests {
     use super::super::shape::Shape;
     use super::super::term::Factor;
     use super::*;
+
+    fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
+        Support { schwarz, akaike, factors: Some(factors), chosen, visited: true }
+    }
+
+    /// One law leads by 8; a second with one number more has lost only what BIC takes for that; a third has two factors.
+    #[test]
+    fn laws_of_the_size_of_the_best_are_near_by_akaikes_criterion_as_well() {
+        let lead = support(100.0, 104.0, 1, 2);
+        let all = [lead, support(92.0, 103.0, 1, 3), support(92.0, 103.0, 2, 3), support(92.0, 101.0, 1, 3)];
+        assert_eq!(nearest(&all, None, 6.0), [true, true, false, false]);
+        assert_eq!(nearest(&all, None, 9.0), [true; 4]);
+        // What was not visited is no rival by Akaike's criterion alone.
+        let unseen = Support { visited: false, ..all[1] };
+        assert_eq!(nearest(&[lead, unseen], None, 6.0), [true, false]);
+        assert_eq!(nearest(&[lead, unseen], None, 9.0), [true; 2]);
+        // Where an effect of the catalogue leads by more than the margin, none is near.
+        assert_eq!(nearest(&all, Some(110.0), 6.0), [false; 4]);
+        assert!(nearest(&[], None, 6.0).is_empty());
+    }
+
+    /// A bump about 2 ± 0.5 where 1 to 4 was visited, and where only 1 to 2.2 was.
+    #[test]
+    fn the_middle_of_a_bump_is_visited_within_its_interval() {
+        let bump = [Term::new(0, 1, vec![Factor::new(Shape::Bump, 0)])];
+        let range = |high| [Range { low: 1.0, high, least: 1.0, greatest: high }];
+        let of = |deviation: f64, high: f64| {
+            visits_middles(&bump, &[vec![9.0, 2.0, 0.7]], &[0.1, deviation, 0.1], &range(high))
+        };
+        let deviation = 0.5 / (NORMAL_95 * WIDER);
+        assert!(of(deviation, 4.0) && of(0.1 * deviation, 2.2));
+        assert!(!of(deviation, 2.2) && !of(2.1 * deviation, 4.0));
+        assert!(visits_middles(&[power(None)], &[vec![1.0, 9.0]], &[0.1, 9.0], &range(2.0)));
+    }
 
     fn power(rounded: Option<f64>) -> Term {
         Term::new(0, 1, vec![Factor { rounded, ..Factor::new(Shape::Power, 0) }])

@@ -151,7 +151,7 @@ fn conclude(
     answer: &mut Answer,
 ) -> Result<()> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    let near = alone::near(session, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
+    let near = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
         // Beyond the share of the search laws stand as they were fitted so far, and none alone.
         if !session.within() {
             session.short.store(true, Ordering::Relaxed);
@@ -177,7 +177,7 @@ fn conclude(
             break;
         }
         second = judged > 0;
-        for law in alone::near(session, laws, best, settings.margin) {
+        for law in alone::near(session, response, laws, best, settings.margin) {
             if judged == MOST_JUDGED || judged > 0 && session.log.count() >= most {
                 short = true;
                 break;
