@@ -21,6 +21,9 @@ const GROWING: [f64; 5] = [0.1, 0.2, 0.35, 0.5, 0.75];
 /// A start from another law's is searched anew where it leaves more than so many times the noise's variance.
 const MUCH: f64 = 1.1;
 
+/// Residuals that are smaller than so improbably small ones are not those of noise.
+const CREDIBLE: f64 = 1.0 - 1e-3;
+
 /// Recordings that were kept out of the fit, and what was learned of them with a first law.
 pub(super) struct Ahead<'a> {
     recordings: &'a [Prepared],
@@ -30,6 +33,8 @@ pub(super) struct Ahead<'a> {
     /// Initial states, and the answer to an acceleration.
     starts: Option<Vec<Vec<f64>>>,
     response: Option<Response>,
+    /// The noise that it leaves: densities of several laws are compared with the same noise.
+    scale: Option<f64>,
 }
 
 /// Held-out recordings with their initial states fitted.
@@ -40,7 +45,7 @@ struct Met {
 
 impl<'a> Ahead<'a> {
     pub fn new(recordings: &'a [Prepared], noise: &'a [Vec<f64>]) -> Self {
-        Self { recordings, noise, base: None, starts: None, response: None }
+        Self { recordings, noise, base: None, starts: None, response: None, scale: None }
     }
 
     /// Whether there are none.
@@ -75,10 +80,14 @@ impl<'a> Ahead<'a> {
         let (scale, below, above) = (session.scale(law), session.freedom(law), self.freedom(&met));
         let residuals = scaled(&met.residuals, scale);
         let covariance = &law.fit.covariance * (WIDER * WIDER);
-        let (differ_p, explained) = differ(&linear, &residuals, &covariance);
-        gates.held_out_differ_p = Some(differ_p);
-        let left = (robust_squares(&residuals) - explained) / above;
-        gates.held_out_p = Some(upper_f(left, above, below));
+        let asked = differ(&linear, &residuals, &covariance);
+        gates.held_out_differ_p = Some(asked.p);
+        let left = robust_squares(&residuals) - asked.explained;
+        let p = upper_f(left / above, above, below);
+        gates.held_out_p = Some(p);
+        // Where the constants' uncertainty explains more than noise leaves, rollouts are not linear in them, and the density is not known.
+        let common = scale / *self.scale.get_or_insert(scale);
+        gates.held_out_nats = (p < CREDIBLE).then(|| -0.5 * (left * common * common + asked.spread));
         if self.response.is_none() {
             let numbers = law.numbers();
             let carried = session.carried(response, &law.terms, &numbers);
@@ -171,10 +180,19 @@ impl<'a> Ahead<'a> {
     }
 }
 
-/// The probability that recordings which were not fitted ask for so different constants by chance, and the squares that the uncertainty of
-/// the constants explains: their slope s by the constants has the covariance S + S Σ S, where S is their information and Σ the constants'
+/// What recordings that were not fitted ask of the constants of a law.
+struct Asked {
+    /// The probability that they ask for so different constants by chance.
+    p: f64,
+    /// The squares that the uncertainty of the constants explains.
+    explained: f64,
+    /// By how much that uncertainty spreads the prediction: ln det(1 + Σ S).
+    spread: f64,
+}
+
+/// The slope s of held-out residuals by the constants has the covariance S + S Σ S, where S is their information and Σ the constants'
 /// covariance; of the squares sᵀ (Σ⁻¹ + S)⁻¹ s are due to it.
-fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f64>) -> (f64, f64) {
+fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f64>) -> Asked {
     let shared = covariance.nrows();
     let (mut information, mut slope) = (DMatrix::zeros(shared, shared), DVector::zeros(shared));
     for (columns, residual) in linear.columns().iter().zip(residuals) {
@@ -191,7 +209,8 @@ fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f
     let root = root(covariance);
     let own = DMatrix::identity(shared, shared) + root.transpose() * &information * &root;
     let along = inverse_root(&own).transpose() * (root.transpose() * slope);
-    (p, along.norm_squared())
+    let spread = own.symmetric_eigenvalues().iter().map(|value| value.max(1.0).ln()).sum();
+    Asked { p, explained: along.norm_squared(), spread }
 }
 
 #[cfg(test)]
@@ -199,12 +218,14 @@ mod tests {
     use super::*;
 
     /// One constant with derivative 1 at four samples, known to ±½: S = 4, Σ = ¼. Residuals of 1 have s = ∓4 of variance 8, so χ² = 2,
-    /// and 16/(4 + 4) = 2 of their squares are explained.
+    /// and 16/(4 + 4) = 2 of their squares are explained; the prediction's determinant is 1 + 4/4 = 2.
     #[test]
     fn the_uncertainty_of_a_constant_explains_its_share() {
         let columns = Columns { indices: vec![0], shared: vec![vec![-1.0; 4]], nuisances: vec![] };
         let linear = Linearisation::known(vec![columns]);
-        let (p, explained) = differ(&linear, &[vec![1.0; 4]], &DMatrix::from_element(1, 1, 0.25));
-        assert!((p - upper_chi_squared(2.0, 1.0)).abs() < 1e-12 && (explained - 2.0).abs() < 1e-12, "{p} {explained}");
+        let asked = differ(&linear, &[vec![1.0; 4]], &DMatrix::from_element(1, 1, 0.25));
+        assert!((asked.p - upper_chi_squared(2.0, 1.0)).abs() < 1e-12, "{}", asked.p);
+        assert!((asked.explained - 2.0).abs() < 1e-12, "{}", asked.explained);
+        assert!((asked.spread - 2.0_f64.ln()).abs() < 1e-12, "{}", asked.spread);
     }
 }

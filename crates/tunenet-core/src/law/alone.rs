@@ -50,9 +50,17 @@ struct Support {
 }
 
 impl Support {
-    fn of(session: &Session, response: &Response, law: &Law) -> Self {
+    /// By fitted recordings, and by held-out ones of which its predictive density has this logarithm (nats).
+    fn of(session: &Session, response: &Response, law: &Law, held_out_nats: f64) -> Self {
+        let more = 2.0 * held_out_nats;
         let visited = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
-        Self { schwarz: law.bic, akaike: akaike(session, law), factors: factors(law), chosen: chosen(law), visited }
+        Self {
+            schwarz: law.bic + more,
+            akaike: akaike(session, law) + more,
+            factors: factors(law),
+            chosen: chosen(law),
+            visited,
+        }
     }
 
     /// Whether recordings do not decide between this law and `lead`: it lies within `margin` of `best` by the criterion of Schwarz, or has,
@@ -98,8 +106,33 @@ fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], rang
 
 /// The laws between which fitted recordings do not decide.
 pub(super) fn near(session: &Session, response: &Response, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
-    let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law)).collect();
+    let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law, 0.0)).collect();
     kept(laws, nearest(&support, Some(best), margin))
+}
+
+/// The members between which fitted and held-out recordings together do not decide, best first: the evidence of all recordings is that of
+/// the fitted ones times the predictive density of the held-out ones (Geisser and Eddy 1979).
+pub(super) fn undecided(
+    session: &Session,
+    response: &Response,
+    members: Vec<(Law, Member)>,
+    margin: f64,
+) -> Vec<(Law, Member)> {
+    // Without the density of one there is nothing to compare that of the others with.
+    let known = members.iter().all(|(_, member)| member.gates.held_out_nats.is_some());
+    let nats = |member: &Member| member.gates.held_out_nats.filter(|_| known).unwrap_or(0.0);
+    let support = members.iter().map(|(law, member)| Support::of(session, response, law, nats(member)));
+    let support: Vec<Support> = support.collect();
+    let best = support.iter().map(|one| one.schwarz).fold(f64::NEG_INFINITY, f64::max);
+    let mut left = kept(members.into_iter().zip(support.iter()).collect(), nearest(&support, None, margin));
+    left.sort_by(|a, b| {
+        let score = |(law, member): &(Law, Member)| law.score + 2.0 * nats(member);
+        score(&b.0).total_cmp(&score(&a.0))
+    });
+    let behind = |((law, member), support): ((Law, Member), &Support)| {
+        (law, Member { behind_best: best - support.schwarz, ..member })
+    };
+    left.into_iter().map(behind).collect()
 }
 
 /// The members without those that are another one with its exponents free, where these leave no other multiple of one half open: both are

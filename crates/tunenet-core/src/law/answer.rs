@@ -70,6 +70,9 @@ pub struct Gates {
     pub held_out_force_nats: Option<f64>,
     /// Probability that held-out recordings ask for so different constants by chance; at least 0.001.
     pub held_out_differ_p: Option<f64>,
+    /// Logarithm of the predictive density of held-out recordings, in nats, but for what is the same for all laws. `None` where rollouts
+    /// are not linear enough in the constants to know it.
+    pub held_out_nats: Option<f64>,
 }
 
 impl Gates {

@@ -26,6 +26,7 @@ pub(super) fn judge(session: &Session, response: &Response, ahead: &mut Ahead, l
         held_out_p: None,
         held_out_force_nats: None,
         held_out_differ_p: None,
+        held_out_nats: None,
     };
     ahead.judge(session, response, law, &mut gates)?;
     Ok(gates)

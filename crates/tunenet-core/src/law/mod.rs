@@ -169,7 +169,6 @@ fn conclude(
     let mut short = session.short.load(Ordering::Relaxed);
     let mut judged = 0;
     let mut second = false;
-    let mut same = false;
     let mut members: Vec<(Law, Member)> = Vec::new();
     for laws in [needed, needless] {
         // What explains no more than a law that it holds says something only where that one fails, and then not alone.
@@ -186,10 +185,7 @@ fn conclude(
             let gates = judge(session, response, ahead, &law)?;
             let member = found::member(session, response, &law, gates, best)?;
             match gates.failed() {
-                None => {
-                    same |= known.is_some_and(|known| known.is(&law));
-                    members.push((law, member));
-                }
+                None => members.push((law, member)),
                 Some(gate) => {
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
                     answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate });
@@ -197,11 +193,17 @@ fn conclude(
             }
         }
     }
-    answer.members = alone::merged(members).into_iter().map(|(_, member)| member).collect();
+    // The effect of the catalogue in the form of a law stands or falls with it.
+    let is_known = |law: &Law| known.is_some_and(|known| known.is(law));
+    let judged_known = members.iter().any(|(law, _)| is_known(law));
+    let members = alone::merged(alone::undecided(session, response, members, settings.margin));
+    let same = members.iter().any(|(law, _)| is_known(law));
+    answer.members = members.into_iter().map(|(_, member)| member).collect();
     // ... and where no test refuses one that explains the fitted recordings better: then one of them is not what it seems.
     let ahead_of = |member: &Member| answer.refused.iter().find(|refused| second || refused.bic_gain > member.bic_gain);
     let refused = answer.members.first().and_then(ahead_of).map(|refused| refused.gate);
-    let rival = settings.measured || answer.rival_bic_gain.is_some_and(|gain| gain >= best - settings.margin);
+    let explains = |gain: f64| gain >= best - settings.margin && (same || !judged_known);
+    let rival = settings.measured || answer.rival_bic_gain.is_some_and(explains);
     (answer.verdict, answer.reason) = match answer.members.as_slice() {
         // The effect of the catalogue, written as a formula.
         [one] if rival && !settings.measured && (same || one.alias.is_some()) => {

@@ -57,6 +57,7 @@ fn member(member: &Member) -> Json {
         "held_out_p": gates.held_out_p,
         "held_out_force_nats": gates.held_out_force_nats,
         "held_out_differ_p": gates.held_out_differ_p,
+        "held_out_nats": gates.held_out_nats,
         "valid": valid,
         "depends_on_time": member.depends_on_time,
         "bounded": member.bounded,
