@@ -9,8 +9,8 @@ use super::found::WIDER;
 use super::price;
 use super::refit::{Law, Session};
 use super::response::Response;
-use super::shape::{Range, Role};
-use super::term::Term;
+use super::shape::{Range, Role, Shape};
+use super::term::{Factor, Term};
 use crate::statistics::NORMAL_95;
 
 /// Akaike's price of a number, in twice the logarithmic likelihood.
@@ -104,6 +104,16 @@ fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], rang
     })
 }
 
+/// Whether bumps of a law may follow a force that is none: one of which a flank was seen only, or two that are multiplied.
+pub(super) fn follows(response: &Response, law: &Law) -> bool {
+    let middles = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
+    !middles || law.terms.iter().any(is_product_of_bumps)
+}
+
+fn is_product_of_bumps(term: &Term) -> bool {
+    term.factors.len() > 1 && term.factors.iter().all(|factor| factor.shape == Shape::Bump)
+}
+
 /// The laws between which fitted recordings do not decide.
 pub(super) fn near(session: &Session, response: &Response, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
     let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law, 0.0)).collect();
@@ -175,8 +185,6 @@ fn rounds(rounded: &Term, free: &Term, intervals: &[(f64, f64)]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::Shape;
-    use super::super::term::Factor;
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
@@ -211,6 +219,14 @@ mod tests {
         assert!(of(deviation, 4.0) && of(0.1 * deviation, 2.2));
         assert!(!of(deviation, 2.2) && !of(2.1 * deviation, 4.0));
         assert!(visits_middles(&[power(None)], &[vec![1.0, 9.0]], &[0.1, 9.0], &range(2.0)));
+    }
+
+    #[test]
+    fn two_bumps_multiplied_follow_any_smooth_force() {
+        let bump = |variable| Factor::new(Shape::Bump, variable);
+        let of = |factors| is_product_of_bumps(&Term::new(0, 1, factors));
+        assert!(of(vec![bump(0), bump(1)]));
+        assert!(!of(vec![bump(0)]) && !of(vec![bump(0), Factor::new(Shape::Power, 1)]) && !of(vec![]));
     }
 
     fn power(rounded: Option<f64>) -> Term {
