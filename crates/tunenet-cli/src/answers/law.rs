@@ -101,7 +101,9 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Rollouts => "the allowance of rollouts ended the search",
         Reason::Several => "the recordings do not distinguish these laws",
         Reason::Terms => "it has two terms, and their rivals were not compared",
-        Reason::Bumps => "a bump of which only one flank was seen, or a product of two bumps, fits any smooth force",
+        Reason::Flexible => {
+            "a bump of which only one flank was seen, or two factors with two constants each, fit any smooth force"
+        }
         Reason::Grammar => "no product of two shapes of the table explains what is missing",
         Reason::Catalogue => "an effect of the catalogue explains the recordings as well",
     }

@@ -9,8 +9,8 @@ use super::found::WIDER;
 use super::price;
 use super::refit::{Law, Session};
 use super::response::Response;
-use super::shape::{Range, Role, Shape};
-use super::term::{Factor, Term};
+use super::shape::{Range, Role};
+use super::term::Term;
 use crate::statistics::NORMAL_95;
 
 /// Akaike's price of a number, in twice the logarithmic likelihood.
@@ -104,14 +104,15 @@ fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], rang
     })
 }
 
-/// Whether bumps of a law may follow a force that is none: one of which a flank was seen only, or two that are multiplied.
+/// Whether a law follows any smooth force: a bump of which a flank was seen only, or two factors with two constants each.
 pub(super) fn follows(response: &Response, law: &Law) -> bool {
     let middles = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
-    !middles || law.terms.iter().any(is_product_of_bumps)
+    !middles || law.terms.iter().any(is_product_of_four_constants)
 }
 
-fn is_product_of_bumps(term: &Term) -> bool {
-    term.factors.len() > 1 && term.factors.iter().all(|factor| factor.shape == Shape::Bump)
+/// Bumps and oscillations have two constants.
+fn is_product_of_four_constants(term: &Term) -> bool {
+    term.factors.len() > 1 && term.factors.iter().all(|factor| factor.constants() > 1)
 }
 
 /// The laws between which fitted recordings do not decide.
@@ -185,6 +186,8 @@ fn rounds(rounded: &Term, free: &Term, intervals: &[(f64, f64)]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape::Shape;
+    use super::super::term::Factor;
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
@@ -222,10 +225,10 @@ mod tests {
     }
 
     #[test]
-    fn two_bumps_multiplied_follow_any_smooth_force() {
+    fn two_factors_with_two_constants_each_follow_any_smooth_force() {
         let bump = |variable| Factor::new(Shape::Bump, variable);
-        let of = |factors| is_product_of_bumps(&Term::new(0, 1, factors));
-        assert!(of(vec![bump(0), bump(1)]));
+        let of = |factors| is_product_of_four_constants(&Term::new(0, 1, factors));
+        assert!(of(vec![bump(0), bump(1)]) && of(vec![bump(0), Factor::new(Shape::Wave, 1)]));
         assert!(!of(vec![bump(0)]) && !of(vec![bump(0), Factor::new(Shape::Power, 1)]) && !of(vec![]));
     }
 

@@ -47,8 +47,8 @@ pub enum Reason {
     Several,
     /// It has two terms, whose rivals were not compared.
     Terms,
-    /// It is a bump of which one flank was seen only, or a product of two bumps: such follow any smooth force.
-    Bumps,
+    /// It follows any smooth force: a bump of which one flank was seen only, or a product of two factors with two constants each.
+    Flexible,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.

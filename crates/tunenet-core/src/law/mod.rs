@@ -218,7 +218,7 @@ fn conclude(
         // Forms near a sum of two terms are not searched.
         [one] if one.terms.len() > 1 => (Verdict::OneOf, Some(Reason::Terms)),
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
-        [_] if follows => (Verdict::OneOf, Some(Reason::Bumps)),
+        [_] if follows => (Verdict::OneOf, Some(Reason::Flexible)),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),
