@@ -94,7 +94,7 @@ for what in "${@:-paper}"; do
             paste driven docs/evidence.md <(body results/driven/goals.md)
             ;;
         law)
-            measure law bench law --seed "$seed"
+            measure law bench law --sets 6 --seed "$seed"
             paste law docs/evidence.md <(body results/law/goals.md)
             ;;
         joints)

@@ -54,6 +54,8 @@ fn pages_show_what_the_other_results_hold() {
         ("docs/evidence.md", "regions", "regions/regions.md"),
         ("docs/evidence.md", "rollouts", "rollouts/rollouts.md"),
         ("docs/evidence.md", "recorded", "recorded/recorded.md"),
+        ("docs/evidence.md", "law", "law/goals.md"),
+        ("docs/evidence.md", "joints", "joints/goals.md"),
     ] {
         assert_eq!(pasted(page, mark), body(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
     }
@@ -98,6 +100,8 @@ fn results_say_how_they_were_made() {
         ("docs/evidence.md", "diagnose"),
         ("docs/evidence.md", "arm"),
         ("docs/evidence.md", "driven"),
+        ("docs/evidence.md", "law"),
+        ("docs/evidence.md", "joints"),
         ("docs/evidence.md", "intervals"),
         ("docs/evidence.md", "regions"),
         ("docs/evidence.md", "rollouts"),
