@@ -202,9 +202,9 @@ mod tests {
         assert_eq!(nearest(&all, None, 6.0), [true, true, false, false]);
         assert_eq!(nearest(&all, None, 9.0), [true; 4]);
         // What was not visited is no rival by Akaike's criterion alone.
-        let unseen = Support { visited: false, ..all[1] };
-        assert_eq!(nearest(&[lead, unseen], None, 6.0), [true, false]);
-        assert_eq!(nearest(&[lead, unseen], None, 9.0), [true; 2]);
+        let unvisited = Support { visited: false, ..all[1] };
+        assert_eq!(nearest(&[lead, unvisited], None, 6.0), [true, false]);
+        assert_eq!(nearest(&[lead, unvisited], None, 9.0), [true; 2]);
         // Where an effect of the catalogue leads by more than the margin, none is near.
         assert_eq!(nearest(&all, Some(110.0), 6.0), [false; 4]);
         assert!(nearest(&[], None, 6.0).is_empty());
