@@ -12,6 +12,10 @@ use super::rollout_log::RolloutLog;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
 use crate::{Error, Result};
 
+/// Shares of a recording over which its initial state is fitted one after the other, before the whole of it: a state that is guessed from a
+/// tight orbit leads to another minimum than the true one.
+pub(crate) const GROWING_SHARES: [f64; 5] = [0.1, 0.2, 0.35, 0.5, 0.75];
+
 /// What a fit ended with.
 #[derive(Debug, Clone)]
 pub struct Fit {

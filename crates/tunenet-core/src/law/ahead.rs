@@ -11,12 +11,9 @@ use super::refit::{Law, Session, robust_squares};
 use super::response::{Fitted, Response, inverse_root, root};
 use crate::Result;
 use crate::estimate::jacobian::Columns;
-use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog};
+use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog};
 use crate::simulator::{Prepared, Simulator};
 use crate::statistics::{upper_chi_squared, upper_f};
-
-/// Shares of a held-out recording over which its initial state is fitted one after the other.
-const GROWING: [f64; 5] = [0.1, 0.2, 0.35, 0.5, 0.75];
 
 /// A start from another law's is searched anew where it leaves more than so many times the noise's variance.
 const MUCH: f64 = 1.1;
@@ -155,7 +152,8 @@ impl<'a> Ahead<'a> {
                 let direct = problem.fit(start(), 1.0).ok();
                 // A start that is guessed badly is found from the first samples on.
                 let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
-                let grown = GROWING.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0).ok());
+                let grown =
+                    GROWING_SHARES.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0).ok());
                 direct.into_iter().chain(grown).collect::<Vec<_>>()
             });
             let left = |fit: &Fit| robust_squares(&fit.residuals);

@@ -6,11 +6,10 @@ use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
+use crate::estimate::GROWING_SHARES;
 
 const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 0.45 };
-/// Shares of a recording over which its initial state is fitted one after the other, where it leaves more than so many times what fitted
-/// recordings do: a state that is guessed from a tight orbit leads to another minimum than the true one.
-const GROWING: [f64; 5] = [0.1, 0.2, 0.35, 0.5, 0.75];
+/// The initial state of a held-out recording that leaves more than so many times what fitted ones do is fitted over growing shares of it.
 const MUCH: f64 = 3.0;
 /// The share of a recording from which the rest is forecast.
 const KNOWN: f64 = 0.4;
@@ -66,7 +65,8 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
 fn grown(joint: &Joint, start: Point, direct: Outcome) -> Outcome {
     let longer =
         |point: Point, horizon: &f64| Some(joint.fit(point, Effort { horizon: *horizon, ..EARLY }).ok()?.point);
-    let Some(found) = GROWING.iter().try_fold(start, longer).and_then(|point| joint.fit(point, FULL).ok()) else {
+    let Some(found) = GROWING_SHARES.iter().try_fold(start, longer).and_then(|point| joint.fit(point, FULL).ok())
+    else {
         return direct;
     };
     let squares = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
@@ -114,6 +114,7 @@ mod tests {
             assert!(validate(context, &base).unwrap().is_none());
         });
     }
+
     /// A swing fitted from a start far off, and then from its first samples on; a fit that is better already stays.
     #[test]
     fn a_start_that_leads_astray_is_found_from_the_first_samples_on() {
