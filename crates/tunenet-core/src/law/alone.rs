@@ -104,8 +104,8 @@ fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], rang
     })
 }
 
-/// Whether a law follows any smooth force: a bump of which a flank was seen only, or two factors with two constants each.
-pub(super) fn follows(response: &Response, law: &Law) -> bool {
+/// Whether a law fits any smooth force: a bump of which a flank was seen only, or two factors with two constants each.
+pub(super) fn is_flexible(response: &Response, law: &Law) -> bool {
     let middles = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
     !middles || law.terms.iter().any(is_product_of_four_constants)
 }
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn two_factors_with_two_constants_each_follow_any_smooth_force() {
+    fn two_factors_with_two_constants_each_fit_any_smooth_force() {
         let bump = |variable| Factor::new(Shape::Bump, variable);
         let of = |factors| is_product_of_four_constants(&Term::new(0, 1, factors));
         assert!(of(vec![bump(0), bump(1)]) && of(vec![bump(0), Factor::new(Shape::Wave, 1)]));

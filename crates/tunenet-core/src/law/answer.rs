@@ -47,7 +47,7 @@ pub enum Reason {
     Several,
     /// It has two terms, whose rivals were not compared.
     Terms,
-    /// It follows any smooth force: a bump of which one flank was seen only, or a product of two factors with two constants each.
+    /// It fits any smooth force: a bump of which one flank was seen only, or a product of two factors with two constants each.
     Flexible,
     /// No shape of the table gains what it costs.
     Grammar,

@@ -198,7 +198,7 @@ fn conclude(
     let judged_known = members.iter().any(|(law, _)| is_known(law));
     let members = alone::merged(alone::undecided(session, response, members, settings.margin));
     let same = members.iter().any(|(law, _)| is_known(law));
-    let follows = members.first().is_some_and(|(law, _)| alone::follows(response, law));
+    let flexible = members.first().is_some_and(|(law, _)| alone::is_flexible(response, law));
     answer.members = members.into_iter().map(|(_, member)| member).collect();
     // ... and where no test refuses one that explains the fitted recordings better: then one of them is not what it seems.
     let ahead_of = |member: &Member| answer.refused.iter().find(|refused| second || refused.bic_gain > member.bic_gain);
@@ -218,7 +218,7 @@ fn conclude(
         // Forms near a sum of two terms are not searched.
         [one] if one.terms.len() > 1 => (Verdict::OneOf, Some(Reason::Terms)),
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
-        [_] if follows => (Verdict::OneOf, Some(Reason::Flexible)),
+        [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),
