@@ -1,7 +1,8 @@
 //! Which laws a law has to surpass before it stands alone (Burnham and Anderson 2002, sections 2.2 and 6.4): the Schwarz criterion ranks
 //! laws and prefers the simpler one where both explain as much, which is no evidence against the other. Laws of as many factors are
-//! therefore compared by Akaike's criterion as well, unless they claim more than was visited: a bump of which one flank was seen only is any
-//! smooth function that rises.
+//! therefore compared by Akaike's criterion as well, and those with as many fitted constants by likelihood alone: which exponent is the
+//! rounder one is no evidence either. What claims more than was visited takes no part in that: a bump of which one flank was seen only is
+//! any smooth function that rises.
 
 use super::answer::Member;
 use super::forms::is_same;
@@ -29,21 +30,23 @@ fn akaike(session: &Session, law: &Law) -> f64 {
     session.gain(law) - NUMBER * chosen(law) as f64
 }
 
-/// How many factors a law of one term has.
+/// How many factors a law of one term has: none is the factor x⁰.
 fn factors(law: &Law) -> Option<usize> {
     let [one] = law.terms.as_slice() else { return None };
-    Some(one.factors.len())
+    Some(one.factors.len().max(1))
 }
 
 /// What recordings say for a law, in twice the logarithmic likelihood.
 #[derive(Debug, Clone, Copy)]
 struct Support {
-    /// By the criterion of Schwarz, and by that of Akaike.
+    /// By the criterion of Schwarz, by that of Akaike, and without a price.
     schwarz: f64,
     akaike: f64,
+    likelihood: f64,
     /// Of one term: how many factors it has.
     factors: Option<usize>,
-    /// How many numbers the data chose.
+    /// How many constants are fitted, and how many numbers the data chose.
+    constants: usize,
     chosen: usize,
     /// Whether the middle of every bump was visited.
     visited: bool,
@@ -57,19 +60,24 @@ impl Support {
         Self {
             schwarz: law.bic + more,
             akaike: akaike(session, law) + more,
+            likelihood: session.gain(law) + more,
             factors: factors(law),
+            constants: price::constants(&law.terms),
             chosen: chosen(law),
             visited,
         }
     }
 
     /// Whether recordings do not decide between this law and `lead`: it lies within `margin` of `best` by the criterion of Schwarz, or has,
-    /// where `lead` does, substantial support by Akaike's with as many factors, at most one number more, and no unvisited middle.
+    /// where `lead` does, as many factors, at most one number more, no unvisited middle, and either substantial support by Akaike's or a
+    /// likelihood within `margin` by as many constants.
     fn is_near(&self, lead: &Self, best: f64, margin: f64) -> bool {
         let leads = lead.schwarz >= best - margin;
         let as_simple = lead.factors.is_some() && self.factors == lead.factors && self.chosen <= lead.chosen + 1;
         let as_simple = as_simple && leads && self.visited;
-        self.schwarz >= best - margin || as_simple && self.akaike >= lead.akaike - SUBSTANTIAL
+        let supported = self.akaike >= lead.akaike - SUBSTANTIAL;
+        let as_likely = self.constants == lead.constants && self.likelihood >= lead.likelihood - margin;
+        self.schwarz >= best - margin || as_simple && (supported || as_likely)
     }
 }
 
@@ -191,7 +199,8 @@ mod tests {
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
-        Support { schwarz, akaike, factors: Some(factors), chosen, visited: true }
+        let likelihood = akaike + NUMBER * chosen as f64;
+        Support { schwarz, akaike, likelihood, factors: Some(factors), constants: chosen, chosen, visited: true }
     }
 
     /// One law leads by 8; a second with one number more has lost only what BIC takes for that; a third has two factors.
@@ -208,6 +217,17 @@ mod tests {
         // Where an effect of the catalogue leads by more than the margin, none is near.
         assert_eq!(nearest(&all, Some(110.0), 6.0), [false; 4]);
         assert!(nearest(&[], None, 6.0).is_empty());
+    }
+
+    /// Of two laws with one constant, x⁰ and x^½, the second explains 5 less and lost 6 more for its bits; a third explains 7 less.
+    #[test]
+    fn laws_with_as_many_constants_are_near_by_likelihood_as_well() {
+        let lead = Support { constants: 1, ..support(100.0, 102.0, 1, 1) };
+        let half = |less: f64| Support { constants: 1, ..support(94.0 - less, 100.0 - less, 1, 2) };
+        assert_eq!(half(5.0).likelihood, lead.likelihood - 5.0);
+        assert_eq!(nearest(&[lead, half(5.0), half(7.0)], None, 6.0), [true, true, false]);
+        let more = Support { constants: 2, ..half(5.0) };
+        assert_eq!(nearest(&[lead, more], None, 6.0), [true, false]);
     }
 
     /// A bump about 2 ± 0.5 where 1 to 4 was visited, and where only 1 to 2.2 was.
