@@ -230,8 +230,11 @@ fn rms(residuals: &[Vec<f64>]) -> f64 {
     root_mean_square(residuals.iter().flatten().copied())
 }
 
-/// How far the noise of one recording may lie from that of all for them to be one.
+/// How far the noise of one recording may lie from that of all for them to be one, by this factor or by as many standard deviations.
 const ALIKE: f64 = 1.5;
+const DEVIATIONS: f64 = 4.0;
+/// The standard deviation of the logarithm of a noise that third differences of n values show, times √n.
+const SPREAD: f64 = 1.55;
 
 /// The noise of every recording's channels: that of all recordings where they agree.
 fn pooled(recordings: &[Prepared], held_out: &[Prepared]) -> Vec<Vec<f64>> {
@@ -240,7 +243,11 @@ fn pooled(recordings: &[Prepared], held_out: &[Prepared]) -> Vec<Vec<f64>> {
     for channel in 0..each.first().map_or(0, Vec::len) {
         let squares: f64 = each.iter().map(|noise| noise[channel].powi(2)).sum();
         let mean = (squares / each.len() as f64).sqrt();
-        if each.iter().all(|noise| noise[channel] < ALIKE * mean && mean < ALIKE * noise[channel]) {
+        let is_alike = |(noise, recording): (&Vec<f64>, &Prepared)| {
+            let chance = (DEVIATIONS * SPREAD / (recording.seen.len() as f64).sqrt()).exp();
+            (noise[channel] / mean).ln().abs() < ALIKE.max(chance).ln()
+        };
+        if each.iter().zip(recordings.iter().chain(held_out)).all(is_alike) {
             for noise in &mut made {
                 noise[channel] = mean;
             }

@@ -88,6 +88,21 @@ fn quadratic_resistance_is_found_with_its_exponent_and_its_coefficient() {
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
 }
 
+/// Of 120 values, differences show a noise to 14 %: four such deviations are no other noise, and of 1,000 values they would be one.
+#[test]
+fn recordings_share_their_noise_where_what_each_shows_of_it_differs_by_chance() {
+    let host = Line::new();
+    let with = |noise: f64, seconds: f64| {
+        let seen = [observed(seconds, NOISE_M, 1, &|t| t)];
+        Prepared { noise: Some(vec![noise]), ..prepared(&host, &seen).remove(0) }
+    };
+    let pooled = super::pooled(&[with(1.0, 1.19), with(1.1, 1.19)], &[with(0.65, 1.19)]);
+    let mean = ((1.0 + 1.1 * 1.1 + 0.65 * 0.65) / 3.0_f64).sqrt();
+    assert!(pooled.iter().all(|noise| (noise[0] - mean).abs() < 1e-12), "{pooled:?}");
+    let other = super::pooled(&[with(1.0, 1.19), with(1.1, 1.19)], &[with(0.4, 1.19)]);
+    assert_eq!(other, [[1.0], [1.1], [0.4]]);
+}
+
 /// A resistance that differs from recording to recording is no law.
 #[test]
 fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
