@@ -63,6 +63,7 @@ pub(crate) use noise_model::{floor, resolution, weights};
 pub use output_error::{Fit, Linearisation, Problem, free};
 pub(crate) use output_error::{GROWING_SHARES, weighted};
 pub use problem::Point;
+pub(crate) use problem::leading_samples;
 pub use profile::{Profile, profile};
 pub use region::Region;
 pub use rollout_log::{Phase, Request, RolloutLog, RolloutStore, Watch};

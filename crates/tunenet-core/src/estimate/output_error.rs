@@ -242,6 +242,13 @@ impl Problem<'_> {
         self.fit_with(start, 1.0, near, &settings)
     }
 
+    /// A few steps from `start` over the first share `horizon` of each recording, enough to go on from over a longer one.
+    pub(crate) fn fit_share(&self, start: Point, horizon: f64) -> Result<Fit> {
+        let settings =
+            Settings { steps: 8, derivatives: 4, ends_measured: false, tolerance: 0.5, ..Settings::RESOLVED };
+        self.fit_with(start, horizon, None, &settings)
+    }
+
     /// Where these derivatives lead to from `point` if `residuals` are left there.
     pub(crate) fn stepped(&self, point: &Point, columns: &[Columns], residuals: &[Vec<f64>]) -> Point {
         full_step(&self.window(1.0), point, residuals, columns, robust_scale(residuals))

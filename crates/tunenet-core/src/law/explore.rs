@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::around::Around;
+use super::early;
 use super::forms::{distinct, is_same, ranked};
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
@@ -44,8 +45,8 @@ fn settled(session: &Session, around: &Around, law: &Law) -> Law {
     best
 }
 
-/// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.
-pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
+/// Single forms of the search about the base model, and laws that begin with these and their products, best first.
+pub(super) fn begun(session: &mut Session, base: &Around) -> (Vec<Candidate>, Vec<Law>) {
     let search = Search::new(session.host.space(), &base.response);
     session.factors = search.kinds;
     let session = &*session;
@@ -53,7 +54,7 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
     let products = search.products(&singles);
     let begun = singles.iter().take(SINGLES).chain(products.iter().take(PRODUCTS));
     let begun: Vec<Candidate> = begun.cloned().collect();
-    let mut laws = ranked(session.fits(&base, &begun, FIRST_STEPS));
+    let mut laws = ranked(session.fits(base, &begun, FIRST_STEPS));
     let further = |law: &Law| {
         let (numbers, start) = (law.numbers(), law.fit.point.clone());
         let found = session.fitted(&base.response, (&law.terms, &numbers), start, None, FURTHER_STEPS);
@@ -62,6 +63,14 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
     let few = if session.within() { FURTHER } else { 0 };
     let better: Vec<Law> = laws.par_iter().take(few).map(further).collect();
     laws.splice(..better.len(), better);
+    (singles, distinct(ranked(laws)))
+}
+
+/// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.
+pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
+    let (singles, mut laws) = begun(session, &base);
+    let session = &*session;
+    laws.extend(early::continued(session, &base, laws.first()));
     laws = distinct(ranked(laws));
     let mut around = base;
     let mut about: Option<Law> = None;

@@ -15,6 +15,7 @@
 //! | `price` | information criterion and bits |
 //! | `refit` | fits through rollouts |
 //! | `simplify` | limits, omitted factors, rounded exponents |
+//! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
@@ -26,6 +27,7 @@ mod ahead;
 mod alone;
 mod answer;
 mod around;
+mod early;
 mod evidence;
 mod explore;
 mod forms;

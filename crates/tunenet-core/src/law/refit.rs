@@ -174,6 +174,17 @@ impl<'a> Session<'a> {
         Some(self.law(terms.to_vec(), fit.ok()?, first))
     }
 
+    /// Fits a law of a first part of the recordings on, over the first `share` of them.
+    pub fn longer(&self, response: &Response, law: &Law, share: f64) -> Option<Law> {
+        let simulator = self.carrying(response, &law.terms, &law.numbers()).ok()?;
+        let free: Vec<usize> = self.free.iter().copied().chain(law.first..simulator.parameters().len()).collect();
+        let own = RolloutLog::default();
+        let problem = self.problem(simulator.as_ref(), &free, Some(&own));
+        let fit = problem.fit_share(law.fit.point.clone(), share);
+        self.log.add(own.count());
+        Some(self.law(law.terms.clone(), fit.ok()?, law.first))
+    }
+
     /// Fits a law on, to the end.
     pub fn finish(&self, response: &Response, law: &Law) -> Option<Law> {
         let numbers = law.numbers();

@@ -103,6 +103,20 @@ fn recordings_share_their_noise_where_what_each_shows_of_it_differs_by_chance() 
     assert_eq!(other, [[1.0], [1.1], [0.4]]);
 }
 
+/// A weight on a spring: three periods, of which the response about a free fall says nothing beyond the first.
+#[test]
+fn a_force_that_turns_the_motion_over_again_and_again_is_found_from_its_first_part() {
+    let omega = 13.0;
+    let path =
+        |_: usize, v0: f64, t: f64| v0 / omega * (omega * t).sin() - 9.0 / (omega * omega) * (1.0 - (omega * t).cos());
+    let answer = asked(&path, 11, &Settings::default());
+    let found = answer.members.first().unwrap_or_else(|| panic!("{answer:?}"));
+    let (low, high) = found.terms[0].numbers[0].interval95;
+    let wanted = -omega * omega;
+    assert!(found.text().contains("x_m") && low <= wanted && wanted <= high, "{} {low} {high}", found.text());
+    assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
+}
+
 /// A resistance that differs from recording to recording is no law.
 #[test]
 fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
