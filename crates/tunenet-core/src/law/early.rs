@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::around::Around;
-use super::explore::begun;
+use super::explore::{Breadth, begun};
 use super::forms::ranked;
 use super::refit::{Law, Session};
 use crate::estimate::{RolloutLog, leading_samples};
@@ -15,8 +15,10 @@ use crate::simulator::Prepared;
 const FAR: f64 = 1.1;
 /// The first parts in which a search begins, one after the other.
 const FIRST_SHARES: [f64; 2] = [0.35, 0.2];
+/// How many forms are fitted there: those of one factor, which hold the force's most part.
+const FEW: Breadth = Breadth { singles: 10, products: 0, further: 0 };
 /// Over which parts how many of its laws are fitted on: fewer and fewer of the best (Jamieson and Talwalkar 2016).
-const LATER: [(f64, usize); 4] = [(0.35, 6), (0.5, 4), (0.75, 2), (1.0, 2)];
+const LATER: [(f64, usize); 4] = [(0.35, 4), (0.5, 3), (0.75, 2), (1.0, 2)];
 
 /// The first parts of recordings, one share of each.
 fn first_parts(recordings: &[Prepared], share: f64) -> Option<Vec<Prepared>> {
@@ -59,10 +61,9 @@ fn from(session: &Session, around: &Around, share: f64) -> Option<Vec<Law>> {
 
 /// Laws with which a search in these parts begins.
 fn laws(session: &Session, parts: &[Prepared], log: &RolloutLog) -> Option<Vec<Law>> {
-    let allowed = session.allowed.saturating_sub(session.log.count());
-    let mut short = Session::new(session.host, parts, session.noise, log, allowed).ok()?;
+    let mut short = Session::new(session.host, parts, session.noise, log, session.allowed).ok()?;
     let base = Around::base(&short, log).ok()?;
-    Some(begun(&mut short, &base).1)
+    Some(begun(&mut short, &base, FEW).1)
 }
 
 #[cfg(test)]

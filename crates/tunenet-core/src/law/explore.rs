@@ -11,10 +11,16 @@ use super::second;
 use super::simplify::simplify;
 use super::term::Term;
 
-/// How many forms are fitted through rollouts: of one factor, products; how many of these are fitted further and simplified.
-const SINGLES: usize = 25;
-const PRODUCTS: usize = 10;
-const FURTHER: usize = 5;
+/// How many forms are fitted through rollouts, and how many of these are fitted further.
+#[derive(Clone, Copy)]
+pub(super) struct Breadth {
+    pub singles: usize,
+    pub products: usize,
+    pub further: usize,
+}
+
+const WHOLE: Breadth = Breadth { singles: 25, products: 10, further: 5 };
+/// How many laws are simplified.
 const SIMPLIFIED: usize = 6;
 /// Steps of the first fits, and of rivals; of those that are fitted further, with measured derivatives.
 const FIRST_STEPS: usize = 4;
@@ -46,13 +52,13 @@ fn settled(session: &Session, around: &Around, law: &Law) -> Law {
 }
 
 /// Single forms of the search about the base model, and laws that begin with these and their products, best first.
-pub(super) fn begun(session: &mut Session, base: &Around) -> (Vec<Candidate>, Vec<Law>) {
+pub(super) fn begun(session: &mut Session, base: &Around, breadth: Breadth) -> (Vec<Candidate>, Vec<Law>) {
     let search = Search::new(session.host.space(), &base.response);
     session.factors = search.kinds;
     let session = &*session;
     let singles = search.singles();
-    let products = search.products(&singles);
-    let begun = singles.iter().take(SINGLES).chain(products.iter().take(PRODUCTS));
+    let products = if breadth.products > 0 { search.products(&singles) } else { Vec::new() };
+    let begun = singles.iter().take(breadth.singles).chain(products.iter().take(breadth.products));
     let begun: Vec<Candidate> = begun.cloned().collect();
     let mut laws = ranked(session.fits(base, &begun, FIRST_STEPS));
     let further = |law: &Law| {
@@ -60,7 +66,7 @@ pub(super) fn begun(session: &mut Session, base: &Around) -> (Vec<Candidate>, Ve
         let found = session.fitted(&base.response, (&law.terms, &numbers), start, None, FURTHER_STEPS);
         found.unwrap_or_else(|| law.clone())
     };
-    let few = if session.within() { FURTHER } else { 0 };
+    let few = if session.within() { breadth.further } else { 0 };
     let better: Vec<Law> = laws.par_iter().take(few).map(further).collect();
     laws.splice(..better.len(), better);
     (singles, distinct(ranked(laws)))
@@ -68,9 +74,12 @@ pub(super) fn begun(session: &mut Session, base: &Around) -> (Vec<Candidate>, Ve
 
 /// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.
 pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
-    let (singles, mut laws) = begun(session, &base);
-    let session = &*session;
+    let (singles, mut laws) = begun(session, &base, WHOLE);
+    let before = session.log.count();
     laws.extend(early::continued(session, &base, laws.first()));
+    // What this takes is not taken from the search about the whole, which goes on as it would have without it.
+    session.allowed += session.log.count() - before;
+    let session = &*session;
     laws = distinct(ranked(laws));
     let mut around = base;
     let mut about: Option<Law> = None;
