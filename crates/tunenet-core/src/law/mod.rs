@@ -172,6 +172,8 @@ fn conclude(
     let mut judged = 0;
     let mut second = false;
     let mut members: Vec<(Law, Member)> = Vec::new();
+    // One effect may be this law in the catalogue's words; several that add up to it are another explanation.
+    let is_known = |law: &Law| settings.rival.len() == 1 && known.is_some_and(|known| known.is(law));
     for laws in [needed, needless] {
         // What explains no more than a law that it holds says something only where that one fails, and then not alone.
         if !members.is_empty() {
@@ -196,7 +198,6 @@ fn conclude(
         }
     }
     // The effect of the catalogue in the form of a law stands or falls with it.
-    let is_known = |law: &Law| known.is_some_and(|known| known.is(law));
     let judged_known = members.iter().any(|(law, _)| is_known(law));
     let members = alone::merged(alone::undecided(session, response, members, settings.margin));
     let same = members.iter().any(|(law, _)| is_known(law));
