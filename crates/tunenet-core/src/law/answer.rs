@@ -197,6 +197,8 @@ pub struct Answer {
     pub base_force_nats: f64,
     /// What the catalogue's answer gains in the information criterion on the same recordings.
     pub rival_bic_gain: Option<f64>,
+    /// Whether a test on held-out recordings refused the law that is the catalogue's answer.
+    pub rival_refused: bool,
     /// How many recordings were held out.
     pub held_out: usize,
     /// Root mean square of the residuals in units of the noise, without a law and with the best.

@@ -120,6 +120,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         refused: Vec::new(),
         base_force_nats,
         rival_bic_gain: None,
+        rival_refused: false,
         held_out: held_out.len(),
         left: (left, left),
         rollouts: log.count(),
@@ -191,6 +192,7 @@ fn conclude(
             match gates.failed() {
                 None => members.push((law, member)),
                 Some(gate) => {
+                    answer.rival_refused |= gate == Reason::HeldOut && is_known(&law);
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
                     answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate });
                 }
@@ -213,6 +215,7 @@ fn conclude(
         [one] if rival && !settings.measured && (same || one.alias.is_some()) => {
             (Verdict::Named, Some(Reason::Catalogue))
         }
+        [] if answer.rival_refused => (Verdict::Unknown, Some(Reason::HeldOut)),
         [] if rival => (Verdict::Named, Some(Reason::Catalogue)),
         _ if rival => (Verdict::OneOf, Some(Reason::Catalogue)),
         [] => (Verdict::Unknown, answer.refused.first().map(|refused| refused.gate)),

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::diagnose::{Diagnosis, Verdict};
-use tunenet_core::law::{Settings, search};
+use tunenet_core::diagnose::{Diagnosis, Doubt, Verdict};
+use tunenet_core::law::{self, Settings, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 
 use crate::answers::diagnose::Loaded;
@@ -40,6 +40,14 @@ pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) ->
         return Ok(None);
     }
     Ok(Some(Law { asked: options.law, seconds: began.elapsed().as_secs_f64(), found }))
+}
+
+/// The diagnosis, its name in doubt where held-out recordings refuse the law that it is.
+pub fn weighed(diagnosis: Diagnosis, law: Option<&Law>) -> Diagnosis {
+    let refused = law
+        .and_then(|law| law.found.as_ref().ok())
+        .is_some_and(|found| found.answer.rival_refused && found.answer.verdict == law::Verdict::Unknown);
+    if refused { diagnosis.doubted(Doubt::HeldOutUnexplained) } else { diagnosis }
 }
 
 /// Whether what the diagnosis leaves looks like noise.

@@ -52,6 +52,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     diagnosis.notes.extend(super::load::left_out(&loaded.objects[0].file)?);
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
     let law = law::search_law(options, &loaded, &diagnosis)?;
+    let diagnosis = law::weighed(diagnosis, law.as_ref());
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
     let wrote = improve::write(options, &answer)?;
     improve::write_models(options, &answer)?;
@@ -105,6 +106,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let diagnosis = ask(&loaded, &options.settings())?;
         let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
         let law = law::search_law(options, &loaded, &diagnosis)?;
+        let diagnosis = law::weighed(diagnosis, law.as_ref());
         let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;

@@ -1,7 +1,7 @@
 //! Verdict: none, named, one of a confusable set, or unknown.
 
 use crate::diagnose::Test;
-use crate::diagnose::answer::Verdict;
+use crate::diagnose::answer::{Conclusion, Diagnosis, Verdict};
 use crate::diagnose::hypothesis::context::{Context, SINGLE_MOTION_MARGIN};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
@@ -162,6 +162,21 @@ pub(in crate::diagnose) fn unique<T: PartialEq>(names: Vec<T>) -> Vec<T> {
         }
     }
     once
+}
+
+impl Diagnosis {
+    /// The same with its names in doubt, where it names effects.
+    #[must_use]
+    pub fn doubted(mut self, doubt: Doubt) -> Self {
+        if let Conclusion::Named { effects } = self.conclusion {
+            let names = effects.iter().map(|named| named.effect.name.clone()).collect();
+            self.conclusion = Conclusion::OneOf { effects, names, doubt: Some(doubt) };
+            for object in self.objects.iter_mut().filter(|object| object.verdict == Verdict::Named) {
+                object.verdict = Verdict::OneOf;
+            }
+        }
+        self
+    }
 }
 
 #[cfg(test)]

@@ -44,6 +44,16 @@ fn a_glider_without_anything_missing_gets_none() {
 }
 
 #[test]
+fn a_name_in_doubt_stays_with_its_effect_and_no_other_verdict_changes() {
+    let found = verdict_of(Truth { push: 0.3, drag: 0.15, ..Truth::default() }, 5, 1).doubted(Doubt::Unconfirmed);
+    assert_eq!((found.verdict(), found.names(), found.effects().len()), (Verdict::OneOf, vec!["linear_drag"], 1));
+    assert_eq!(found.conclusion.doubt(), Some(&Doubt::Unconfirmed));
+    assert!(found.objects.iter().all(|object| object.verdict == Verdict::OneOf), "{:?}", found.objects);
+    let nothing = verdict_of(Truth { push: 0.4, ..Truth::default() }, 3, 0).doubted(Doubt::Unconfirmed);
+    assert_eq!(nothing.verdict(), Verdict::None);
+}
+
+#[test]
 fn drag_is_named_with_its_size_and_proven_on_a_glide_set_aside() {
     let truth = Truth { push: 0.3, drag: 0.15, ..Truth::default() };
     let found = verdict_of(truth, 5, 1);
