@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::around::Around;
-use super::explore::{Breadth, begun};
+use super::begin::{Breadth, begun};
 use super::forms::ranked;
 use super::refit::{Law, Session};
 use crate::estimate::{RolloutLog, leading_samples};

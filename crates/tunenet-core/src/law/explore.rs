@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::around::Around;
+use super::begin::{WHOLE, begun};
 use super::early;
 use super::forms::{distinct, is_same, ranked};
 use super::linear::{Candidate, Search};
@@ -11,20 +12,9 @@ use super::second;
 use super::simplify::simplify;
 use super::term::Term;
 
-/// How many forms are fitted through rollouts, and how many of these are fitted further.
-#[derive(Clone, Copy)]
-pub(super) struct Breadth {
-    pub singles: usize,
-    pub products: usize,
-    pub further: usize,
-}
-
-const WHOLE: Breadth = Breadth { singles: 25, products: 10, further: 5 };
 /// How many laws are simplified.
 const SIMPLIFIED: usize = 6;
-/// Steps of the first fits, and of rivals; of those that are fitted further, with measured derivatives.
-const FIRST_STEPS: usize = 4;
-const FURTHER_STEPS: (usize, usize) = (10, 4);
+/// Steps of rivals.
 const RIVAL_STEPS: usize = 6;
 /// How often the best law is fitted on, and which gain ends that.
 const SETTLED: usize = 4;
@@ -49,27 +39,6 @@ fn settled(session: &Session, around: &Around, law: &Law) -> Law {
         }
     }
     best
-}
-
-/// Single forms of the search about the base model, and laws that begin with these and their products, best first.
-pub(super) fn begun(session: &mut Session, base: &Around, breadth: Breadth) -> (Vec<Candidate>, Vec<Law>) {
-    let search = Search::new(session.host.space(), &base.response);
-    session.factors = search.kinds;
-    let session = &*session;
-    let singles = search.singles();
-    let products = if breadth.products > 0 { search.products(&singles) } else { Vec::new() };
-    let begun = singles.iter().take(breadth.singles).chain(products.iter().take(breadth.products));
-    let begun: Vec<Candidate> = begun.cloned().collect();
-    let mut laws = ranked(session.fits(base, &begun, FIRST_STEPS));
-    let further = |law: &Law| {
-        let (numbers, start) = (law.numbers(), law.fit.point.clone());
-        let found = session.fitted(&base.response, (&law.terms, &numbers), start, None, FURTHER_STEPS);
-        found.unwrap_or_else(|| law.clone())
-    };
-    let few = if session.within() { breadth.further } else { 0 };
-    let better: Vec<Law> = laws.par_iter().take(few).map(further).collect();
-    laws.splice(..better.len(), better);
-    (singles, distinct(ranked(laws)))
 }
 
 /// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.

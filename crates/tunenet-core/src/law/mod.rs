@@ -14,6 +14,7 @@
 //! | `around`, `rivals` | the response about the best law, and every form that is near it there |
 //! | `price` | information criterion and bits |
 //! | `refit` | fits through rollouts |
+//! | `begin` | the best forms of the linear search, fitted |
 //! | `simplify` | limits, omitted factors, rounded exponents |
 //! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
@@ -27,6 +28,7 @@ mod ahead;
 mod alone;
 mod answer;
 mod around;
+mod begin;
 mod early;
 mod evidence;
 mod explore;
