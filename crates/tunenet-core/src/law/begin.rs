@@ -12,6 +12,7 @@ use super::refit::{Law, Session};
 pub(super) struct Breadth {
     /// Of one factor.
     pub singles: usize,
+    /// Of two factors.
     pub products: usize,
     /// How many of these are fitted further.
     pub further: usize,

@@ -88,7 +88,7 @@ fn quadratic_resistance_is_found_with_its_exponent_and_its_coefficient() {
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
 }
 
-/// Of 120 values, differences show a noise to 14 %: four such deviations are no other noise, and of 1,000 values they would be one.
+/// Differences of 120 values show a noise to 14 %: a third less is chance, less than half is another noise.
 #[test]
 fn recordings_share_their_noise_where_what_each_shows_of_it_differs_by_chance() {
     let host = Line::new();
