@@ -7,9 +7,11 @@ use super::space::Carried;
 use super::term::Term;
 
 /// Residual force, in nats: odds of twenty to one.
-pub(super) const MOST_FORCE: f64 = 3.0;
+pub const MOST_FORCE_NATS: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
+/// Residual force on held-out recordings, in nats: by Markov's inequality odds of a thousand to one have at most that probability.
+pub const MOST_HELD_OUT_FORCE_NATS: f64 = 6.9;
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -68,7 +70,7 @@ pub struct Gates {
     pub held_out_base: Option<f64>,
     /// Probability that held-out recordings leave so much more than the fitted ones by chance (F test); at least 0.001.
     pub held_out_p: Option<f64>,
-    /// Evidence of a force that is left on held-out recordings, in nats, what the uncertainty of the constants explains aside; at most 3.
+    /// Evidence of a force that is left on held-out recordings, in nats, what the uncertainty of the constants explains aside; at most 6.9.
     pub held_out_force_nats: Option<f64>,
     /// Probability that held-out recordings ask for so different constants by chance; at least 0.001.
     pub held_out_differ_p: Option<f64>,
@@ -83,11 +85,11 @@ impl Gates {
     pub fn failed(&self) -> Option<Reason> {
         let unlikely = |p: Option<f64>| p.is_some_and(|p| p < LEAST_PROBABILITY);
         let worse = self.held_out_ratio.is_some_and(|ratio| self.held_out_base.is_some_and(|base| ratio > base));
-        let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_FORCE);
+        let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_HELD_OUT_FORCE_NATS);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
         if unlikely(self.heterogeneity_p) {
             Some(Reason::Heterogeneity)
-        } else if self.residual_force_nats > MOST_FORCE {
+        } else if self.residual_force_nats > MOST_FORCE_NATS {
             Some(Reason::ResidualForce)
         } else if worse || forced || unlikely(self.held_out_p) || unlikely(self.held_out_differ_p) {
             Some(Reason::HeldOut)

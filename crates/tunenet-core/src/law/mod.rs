@@ -50,7 +50,10 @@ mod term;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{Answer, FoundTerm, Gates, Member, Number, Reason, Refused, Rounded, Verdict};
+pub use answer::{
+    Answer, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member, Number, Reason, Refused, Rounded,
+    Verdict,
+};
 pub use shape::{Range, Role, Shape};
 pub use space::{Carried, Direction, Host, Nature, Space, Variable, Visit, Visiting};
 pub use term::{Factor, Term};
@@ -63,7 +66,6 @@ use crate::estimate::floor;
 use crate::simulator::Prepared;
 use crate::statistics::root_mean_square;
 use ahead::Ahead;
-use answer::MOST_FORCE;
 use around::Around;
 use evidence::{Shared, residual_force};
 use explore::explore;
@@ -127,7 +129,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         left: (left, left),
         rollouts: log.count(),
     };
-    if base_force_nats <= MOST_FORCE {
+    if base_force_nats <= MOST_FORCE_NATS {
         return Ok(none(Verdict::None, None));
     }
     let (laws, around) = explore(&mut session, base, settings.margin);

@@ -1,6 +1,6 @@
 //! A search for a law, for readers.
 
-use tunenet_core::law::{Member, Reason, Verdict};
+use tunenet_core::law::{MOST_FORCE_NATS, Member, Reason, Verdict};
 
 use super::fitted::{gap_line, parameter};
 use super::rounded;
@@ -48,7 +48,7 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         let ahead =
             gates.held_out_ratio.map_or_else(String::new, |r| format!(", held-out error {r:.3} times the noise"));
         shown.line(&format!(
-            "    gain {:.0}, residual force {:.1} nats (at most 3){p}{ahead}",
+            "    gain {:.0}, residual force {:.1} nats (at most {MOST_FORCE_NATS}){p}{ahead}",
             member.bic_gain, gates.residual_force_nats
         ));
         if !member.valid.is_empty() {

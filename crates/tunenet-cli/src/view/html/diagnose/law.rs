@@ -1,7 +1,7 @@
 //! The law that was found: its form, its numbers, its tests, its course along its variable, and what was refused.
 
 use maud::{Markup, html};
-use tunenet_core::law::Member;
+use tunenet_core::law::{MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member};
 
 use crate::answers::diagnose::Answer;
 use crate::answers::law::{Law, alias, cautions, why};
@@ -78,7 +78,7 @@ fn tests(member: &Member) -> Markup {
         table {
             thead { tr { th { "test" } th { "value" } th { "passes" } } }
             tbody {
-                tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { "at most 3" } }
+                tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { "at most " (MOST_FORCE_NATS) } }
                 @if let Some(p) = gates.heterogeneity_p {
                     tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
                 }
@@ -93,7 +93,7 @@ fn tests(member: &Member) -> Markup {
                     tr { th scope="row" { "held out, same constants" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
                 }
                 @if let Some(nats) = gates.held_out_force_nats {
-                    tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { "at most 3" } }
+                    tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { "at most " (MOST_HELD_OUT_FORCE_NATS) } }
                 }
                 tr { th scope="row" { "gain of BIC" } td.number { (format!("{:.0}", member.bic_gain)) } td { "more than 6" } }
             }
