@@ -20,6 +20,8 @@ const MUCH: f64 = 1.1;
 
 /// Residuals that are smaller than so improbably small ones are not those of noise.
 const CREDIBLE: f64 = 1.0 - 1e-3;
+/// Rollouts are linear in the constants as long as the uncertainty of these explains at most so many times what noise leaves.
+const LINEAR: f64 = 1.0;
 
 /// Recordings that were kept out of the fit, and what was learned of them with a first law.
 pub(super) struct Ahead<'a> {
@@ -84,7 +86,8 @@ impl<'a> Ahead<'a> {
         gates.held_out_p = Some(p);
         // Where the constants' uncertainty explains more than noise leaves, rollouts are not linear in them, and the density is not known.
         let common = scale / *self.scale.get_or_insert(scale);
-        gates.held_out_nats = (p < CREDIBLE).then(|| -0.5 * (left * common * common + asked.spread));
+        let is_linear = p < CREDIBLE && asked.explained <= LINEAR * left;
+        gates.held_out_nats = is_linear.then(|| -0.5 * (left * common * common + asked.spread));
         if self.response.is_none() {
             let numbers = law.numbers();
             let carried = session.carried(response, &law.terms, &numbers);
