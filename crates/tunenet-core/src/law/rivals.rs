@@ -101,17 +101,33 @@ impl<'a> Search<'a> {
         tried.par_iter().filter_map(one).collect()
     }
 
-    /// The law with each factor omitted, or replaced by the other shapes of its variable and by whole powers: forms that rollouts compare whatever the
-    /// response says of them, because a force that changes within a piece of it is seen badly there.
+    /// The law with each factor omitted, or replaced by the other shapes of its variable and by whole powers, and whole powers in the place of
+    /// what is left of it: a second factor may mend the shape of the first. Rollouts compare these forms whatever the response says of them,
+    /// because a force that changes within a piece of it is seen badly there.
     pub fn kin(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
+        let mut all = self.replaced(term, numbers);
+        for fewer in self.fewer(term, numbers) {
+            let replaced = self.replaced(&fewer.terms[0], &fewer.numbers[0]);
+            all.extend(replaced.into_iter().filter(|c| c.terms[0].factors.iter().all(|f| f.rounded.is_some())));
+            all.push(fewer);
+        }
+        all.iter().filter_map(|c| self.polished(c)).collect()
+    }
+
+    /// The term with one factor replaced by the other shapes of its variable and by whole powers.
+    fn replaced(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
         let kin = |other: &Term| {
             let differ = term.factors.iter().zip(&other.factors).filter(|(a, b)| a != b);
             let of_variable = |(a, b): (&Factor, &Factor)| a.variable == b.variable;
             term.factors.len() == other.factors.len() && differ.clone().count() == 1 && differ.clone().all(of_variable)
         };
         let whole = |term: &Term| term.factors.iter().all(|f| f.rounded.is_none_or(|p| p.fract() == 0.0));
-        let near = self.neighbours(term, numbers).into_iter().filter(|c| kin(&c.terms[0]) && whole(&c.terms[0]));
-        let fewer = (0..term.factors.len()).filter_map(|f| {
+        self.neighbours(term, numbers).into_iter().filter(|c| kin(&c.terms[0]) && whole(&c.terms[0])).collect()
+    }
+
+    /// The term with each factor omitted.
+    fn fewer(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
+        let without = |f: usize| {
             let (mut factors, mut inner, mut at) = (Vec::new(), Vec::new(), term.components);
             for (i, factor) in term.factors.iter().enumerate() {
                 let end = at + factor.constants();
@@ -122,8 +138,8 @@ impl<'a> Search<'a> {
                 at = end;
             }
             self.best(term.direction, &factors, vec![inner])
-        });
-        near.chain(fewer).filter_map(|c| self.polished(&c)).collect()
+        };
+        (0..term.factors.len()).filter_map(without).collect()
     }
 
     /// The information criterion of a candidate in this response.

@@ -155,6 +155,31 @@ fn answers_do_not_depend_on_the_number_of_threads() {
     assert!(!one.members.is_empty() || !one.refused.is_empty() || one.reason.is_some(), "{one:?}");
 }
 
+/// About free falls: a session's fits of these terms.
+fn fitted(terms: &[Term], numbers: &[Vec<f64>], of: &dyn Fn(&Line, &Around, super::refit::Law)) {
+    let host = Line::new();
+    let seen = prepared(&host, &recordings(&SPEEDS, 3, &|_, v0, t| v0 * t - 0.5 * 9.8 * t * t));
+    let (noise, log) = (vec![vec![NOISE_M]; seen.len()], RolloutLog::default());
+    let session = Session::new(&host, &seen, &noise, &log, 10_000).unwrap();
+    let around = Around::base(&session, &log).unwrap();
+    let law = session.on(&around.response, terms, numbers, session.base.point.clone()).unwrap();
+    of(&host, &around, law);
+}
+
+/// A second factor may mend what the first lacks: each factor's whole powers are tried without the other.
+#[test]
+fn a_product_is_compared_with_whole_powers_of_either_variable() {
+    let product = [Term::new(0, 1, vec![Factor::new(Shape::Tanh, 1), Factor::new(Shape::Bump, 0)])];
+    fitted(&product, &[vec![-0.01, 2.0, -5.0, 4.0]], &|host, around, law| {
+        let search = super::linear::Search::fine(super::Host::space(host), &around.response);
+        let kin = search.kin(&law.terms[0], &law.numbers()[0]);
+        for variable in [0, 1] {
+            let cube = [Factor { rounded: Some(3.0), ..Factor::new(Shape::OddPower, variable) }];
+            assert!(kin.iter().any(|c| c.terms[0].factors == cube), "{variable}");
+        }
+    });
+}
+
 /// Friction a turns over at the top of a rise, t₁ = v/g: the path answers with −a t²/2 up to there, and from there on with
 /// −a t₁²/2 − a t₁ (t − t₁) + a (t − t₁)²/2.
 #[test]
