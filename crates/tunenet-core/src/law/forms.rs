@@ -61,7 +61,15 @@ fn holds(space: &Space, large: &Term, small: &Term) -> bool {
         let limits = factor.limits();
         found = found.iter().flat_map(|before| limits.iter().map(|one| multiplied(before, one.as_ref()))).collect();
     }
-    components(small).iter().all(|name| components(large).contains(name)) && found.iter().any(|one| same(one))
+    let parts = components(small).iter().all(|name| components(large).contains(name));
+    parts && (found.iter().any(|one| same(one)) || is_turned_bump(large, small))
+}
+
+/// Whether `large` is a bump that turns over with its variable, which about 0 is the decay of `small`: exp(-(x/c)²) sign(x).
+fn is_turned_bump(large: &Term, small: &Term) -> bool {
+    let [one] = small.factors.as_slice() else { return false };
+    let of = |shape| large.factors.iter().any(|f| f.shape == shape && f.variable == one.variable);
+    one.shape == Shape::Stribeck && of(Shape::Bump) && (of(Shape::Sign) || of(Shape::Tanh))
 }
 
 /// These factors with one more, powers of one variable as one.
@@ -153,6 +161,10 @@ mod tests {
         assert!(nests(&space, &[term(0, &[inverse])], &[term(0, &[(Shape::Power, 0, Some(-1.0))])]));
         assert!(nests(&space, &[term(0, &[linear, log])], &single));
         assert!(!nests(&space, &[term(0, &[log])], &single) && !nests(&space, &[term(0, &[inverse])], &single));
+        // exp(−((x − h)/w)²) sign(x) → exp(−(x/c)²) sign(x) for h → 0.
+        let stribeck = [term(0, &[(Shape::Stribeck, 1, None)])];
+        let bump = |variable| [term(0, &[(Shape::Sign, 1, None), (Shape::Bump, variable, None)])];
+        assert!(nests(&space, &bump(1), &stribeck) && !nests(&space, &bump(0), &stribeck));
         // A second factor is needless where another exponent explains as much.
         let other = [term(0, &[(Shape::Power, 0, Some(1.0)), thinning])];
         assert!(is_needless(&space, &other, &single, 1.0) && !is_needless(&space, &other, &single, 9.0));

@@ -4,7 +4,7 @@ use super::around::Around;
 use super::linear::Candidate;
 use super::refit::{Law, Session};
 use super::response::Response;
-use super::shape::{Role, Shape};
+use super::shape::Shape;
 use super::space::Space;
 use super::term::{Factor, Term};
 
@@ -14,6 +14,8 @@ const MOST: usize = 5;
 const STEPS: usize = 6;
 /// A scale beyond so many times the greatest value has no effect of its own.
 const BEYOND: f64 = 3.0;
+/// Beyond so many times the greatest value a saturation may be a straight line: a bend is fitted to noise and to what another factor misses.
+const STRAIGHT: f64 = 0.5;
 /// An exponent below this is none.
 const NO_EXPONENT: f64 = 0.12;
 
@@ -93,7 +95,7 @@ fn instead_of(space: &Space, response: &Response, factor: &Factor, values: &[f64
     let linear = if range.least > 0.0 { Shape::Power } else { Shape::OddPower };
     let first_power = Factor { shape: linear, variable: factor.variable, rounded: Some(1.0) };
     match factor.shape {
-        Shape::Tanh | Shape::Log if values[0] > BEYOND * range.greatest => {
+        Shape::Tanh | Shape::Log if values[0] > STRAIGHT * range.greatest => {
             found.push(Instead::Other(first_power, Vec::new()));
         }
         Shape::Tanh if values[0] < 0.06 * range.greatest => {
@@ -123,24 +125,29 @@ fn rounded(factor: &Factor, value: f64, sd: f64, unit: f64) -> Option<Instead> {
     only.then(|| Instead::Other(Factor { rounded: Some(low * unit), ..factor.clone() }, Vec::new()))
 }
 
-/// Two powers of one variable as one.
-fn merged(law: &Law, t: usize, numbers: &[Vec<f64>]) -> Option<(Vec<Term>, Vec<Vec<f64>>)> {
+/// Two factors of one variable as one: powers, and a sign with a bump about 0.
+pub(super) fn merged(law: &Law, t: usize, numbers: &[Vec<f64>]) -> Option<(Vec<Term>, Vec<Vec<f64>>)> {
     let term = &law.terms[t];
     let [a, b] = term.factors.as_slice() else { return None };
-    let power = |f: &Factor| f.shape == Shape::Power && f.shape.roles()[0] == Role::Exponent;
-    if a.variable != b.variable || !power(a) || !power(b) {
+    if a.variable != b.variable {
         return None;
     }
     let mut at = term.components;
-    let mut exponent = |f: &Factor| {
-        let value = f.rounded.unwrap_or_else(|| numbers[t][at]);
+    let mut constants = |f: &Factor| {
         at += f.constants();
-        value
+        numbers[t][at - f.constants()..at].to_vec()
     };
-    let sum = exponent(a) + exponent(b);
+    let (of_a, of_b) = (constants(a), constants(b));
+    let exponent = |f: &Factor, own: &[f64]| f.rounded.unwrap_or_else(|| own[0]);
+    let (shape, constant) = match (a.shape, b.shape) {
+        (Shape::Power, Shape::Power) => (Shape::Power, exponent(a, &of_a) + exponent(b, &of_b)),
+        (Shape::Sign | Shape::Tanh, Shape::Bump) => (Shape::Stribeck, of_b[1]),
+        (Shape::Bump, Shape::Sign | Shape::Tanh) => (Shape::Stribeck, of_a[1]),
+        _ => return None,
+    };
     let (mut terms, mut all) = (law.terms.clone(), numbers.to_vec());
-    terms[t].factors = vec![Factor::new(Shape::Power, a.variable)];
+    terms[t].factors = vec![Factor::new(shape, a.variable)];
     all[t].truncate(term.components);
-    all[t].push(sum);
+    all[t].push(constant);
     Some((terms, all))
 }

@@ -166,6 +166,19 @@ fn fitted(terms: &[Term], numbers: &[Vec<f64>], of: &dyn Fn(&Line, &Around, supe
     of(&host, &around, law);
 }
 
+/// A sign that fades with its variable, as tanh(v/c) exp(-((v - h)/w)²), is the decay exp(-(v/w)²) sign(v).
+#[test]
+fn a_sign_times_a_bump_of_its_variable_is_one_decay() {
+    let factors = vec![Factor::new(Shape::Tanh, 1), Factor::new(Shape::Bump, 1)];
+    let product = [Term::new(0, 1, factors)];
+    fitted(&product, &[vec![-0.01, 0.1, 0.0, 2.0]], &|_, _, law| {
+        let numbers = law.numbers();
+        let (terms, merged) = super::simplify::merged(&law, 0, &numbers).unwrap();
+        assert_eq!(terms[0].factors, [Factor::new(Shape::Stribeck, 1)]);
+        assert_eq!(merged[0], [numbers[0][0], numbers[0][3]]);
+    });
+}
+
 /// A second factor may mend what the first lacks: each factor's whole powers are tried without the other.
 #[test]
 fn a_product_is_compared_with_whole_powers_of_either_variable() {
