@@ -18,6 +18,7 @@
 //! | `simplify` | limits, omitted factors, rounded exponents |
 //! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
+//! | `between` | products of a power and an exponential that recordings do not distinguish |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `alone` | which laws a law has to surpass before it stands alone |
@@ -29,6 +30,7 @@ mod alone;
 mod answer;
 mod around;
 mod begin;
+mod between;
 mod early;
 mod evidence;
 mod explore;
@@ -67,6 +69,7 @@ use crate::simulator::Prepared;
 use crate::statistics::root_mean_square;
 use ahead::Ahead;
 use around::Around;
+use between::between;
 use evidence::{Shared, residual_force};
 use explore::explore;
 use forms::{by_need, distinct, ranked};
@@ -158,7 +161,7 @@ fn conclude(
     answer: &mut Answer,
 ) -> Result<()> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    let near = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
+    let found = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
         // Beyond the share of the search laws stand as they were fitted so far, and none alone.
         if !session.within() {
             session.short.store(true, Ordering::Relaxed);
@@ -166,12 +169,16 @@ fn conclude(
         }
         session.finish(response, &law).unwrap_or(law)
     });
-    let near = distinct(ranked(near.collect()));
-    let best = near.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    answer.left.1 = near.first().map_or(answer.left.0, |law| rms(&law.fit.residuals));
+    let found = distinct(ranked(found.collect()));
+    let best = found.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
+    answer.left.1 = found.first().map_or(answer.left.0, |law| rms(&law.fit.residuals));
     // An effect of the catalogue was known before the data were seen: what it explains better is no law.
     let best = answer.rival_bic_gain.map_or(best, |gain| best.max(gain));
-    let (needed, needless) = by_need(session, near);
+    let near = |laws| alone::near(session, response, laws, best, settings.margin);
+    let (needed, needless) = by_need(session, found);
+    let mut needed = near(needed);
+    // What lies between two of these is near both, whatever it costs.
+    needed.extend(between(session, response, &needed));
     // A law stands alone only where all its rivals were fitted and tested ...
     let mut short = session.short.load(Ordering::Relaxed);
     let mut judged = 0;
@@ -179,13 +186,13 @@ fn conclude(
     let mut members: Vec<(Law, Member)> = Vec::new();
     // One effect may be this law in the catalogue's words; several that add up to it are another explanation.
     let is_known = |law: &Law| settings.rival.len() == 1 && known.is_some_and(|known| known.is(law));
-    for laws in [needed, needless] {
+    for laws in [needed, near(needless)] {
         // What explains no more than a law that it holds says something only where that one fails, and then not alone.
         if !members.is_empty() {
             break;
         }
         second = judged > 0;
-        for law in alone::near(session, response, laws, best, settings.margin) {
+        for law in laws {
             if judged == MOST_JUDGED || judged > 0 && session.log.count() >= most {
                 short = true;
                 break;

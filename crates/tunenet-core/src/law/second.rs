@@ -1,6 +1,6 @@
 //! A second term where the first leaves a force: forms on what it leaves, and pairs of single forms.
 
-use super::answer::MOST_FORCE;
+use super::answer::MOST_FORCE_NATS;
 use super::around::{Around, DIFFERENCE};
 use super::evidence::{Shared, residual_force};
 use super::information::scaled;
@@ -22,7 +22,7 @@ pub(super) fn second(session: &Session, around: &Around, singles: &[Candidate], 
     let Ok(linear) = session.linearise(response, first) else { return Vec::new() };
     let force =
         residual_force(response, &scaled(&first.fit.residuals, session.scale(first)), linear.columns(), Shared::Free);
-    if force <= MOST_FORCE || first.terms.len() > 1 {
+    if force <= MOST_FORCE_NATS || first.terms.len() > 1 {
         return Vec::new();
     }
     let mut search = Search::new(session.host.space(), response);
