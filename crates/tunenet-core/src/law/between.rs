@@ -1,76 +1,51 @@
-//! Comprehensive models (Atkinson 1970): where recordings do not distinguish a power of a variable from an exponential of it, a product of
-//! both lies between them and explains as much.
+//! Comprehensive models (Atkinson 1970): x^p and exp(-x/c), which fall with a variable, and x^n exp(-x/c) with a whole n between are nearly
+//! the same where recordings span less than a decade of it. What explains them as one of the first two is compared with the product.
 
 use super::forms::is_same;
 use super::refit::{Law, Session};
 use super::response::Response;
-use super::shape::Shape;
+use super::shape::{Range, Shape};
 use super::term::{Factor, Term};
-use crate::estimate::Point;
 
-/// A law `a * x^p` or `a * exp(-x/c)`: its coefficients and its constant, and where its fit ended.
-struct Single<'a> {
-    point: &'a Point,
-    term: &'a Term,
-    coefficients: Vec<f64>,
-    constant: f64,
-}
-
-/// Of these laws, those of one factor of this shape.
-fn singles(laws: &[Law], shape: Shape) -> impl Iterator<Item = Single<'_>> {
-    laws.iter().filter_map(move |law| {
-        let [term] = law.terms.as_slice() else { return None };
-        let [factor] = term.factors.as_slice() else { return None };
-        let numbers = law.numbers().swap_remove(0);
-        let (coefficients, inner) = numbers.split_at(term.components);
-        let constant = factor.rounded.or_else(|| inner.first().copied())?;
-        (factor.shape == shape).then(|| Single {
-            point: &law.fit.point,
-            term,
-            coefficients: coefficients.to_vec(),
-            constant,
-        })
-    })
-}
-
-/// Whole exponents between 0 and `p`, without both.
-fn between_zero_and(p: f64) -> impl Iterator<Item = f64> {
-    (1_i8..).map(f64::from).take_while(move |n| *n < p.abs()).map(move |n| n * p.signum())
-}
-
-/// `x^n exp(-x/c)` for every whole n, with the numbers of a geometric mean of the power and of the exponential.
-fn means(power: &Single, exponential: &Single) -> Vec<(Term, Vec<f64>)> {
-    let (p, c) = (power.constant, exponential.constant);
-    let variable = power.term.factors[0].variable;
-    let alike = power.term.direction == exponential.term.direction
-        && variable == exponential.term.factors[0].variable
-        && power.coefficients.iter().zip(&exponential.coefficients).all(|(a, b)| a * b > 0.0);
-    let mean = |n: f64| {
-        let share = n / p;
-        let each = power.coefficients.iter().zip(&exponential.coefficients);
-        let mut numbers: Vec<f64> =
-            each.map(|(a, b)| a.abs().powf(share) * b.abs().powf(1.0 - share) * a.signum()).collect();
-        numbers.push(c / (1.0 - share));
-        let rounded = Factor { rounded: Some(n), ..Factor::new(Shape::Power, variable) };
-        let factors = vec![Factor::new(Shape::Exp, variable), rounded];
-        (Term::new(power.term.direction, power.term.components, factors), numbers)
+/// Products that fall as fast as a law of one factor in the middle of the data, and are as large there. A whole power needs none: what bends
+/// away from it is no simpler.
+fn products(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f64>)> {
+    let [factor] = term.factors.as_slice() else { return Vec::new() };
+    let (coefficients, inner) = numbers.split_at(term.components);
+    let Some(constant) = factor.rounded.or_else(|| inner.first().copied()) else { return Vec::new() };
+    let range = &ranges[factor.variable];
+    let middle = (range.low * range.high).sqrt();
+    // The factor there, and its slope on logarithmic axes.
+    let (value, slope) = match factor.shape {
+        Shape::Power if factor.rounded.is_none_or(|p| p.fract() != 0.0) => (middle.powf(constant), constant),
+        Shape::Exp => ((-middle / constant).exp(), -middle / constant),
+        _ => return Vec::new(),
     };
-    if alike { between_zero_and(p).map(mean).collect() } else { Vec::new() }
+    let product = |n: f64| {
+        let scale = middle / (n - slope);
+        let size = value / (middle.powf(n) * (-middle / scale).exp());
+        let mut numbers: Vec<f64> = coefficients.iter().map(|c| c * size).collect();
+        numbers.push(scale);
+        let rounded = Factor { rounded: Some(n), ..Factor::new(Shape::Power, factor.variable) };
+        let factors = vec![Factor::new(Shape::Exp, factor.variable), rounded];
+        (Term::new(term.direction, term.components, factors), numbers)
+    };
+    let whole = (1_i8..).map(|n| -f64::from(n)).take_while(|n| *n > slope);
+    whole.map(product).collect()
 }
 
-/// Fits of the products that lie between a power and an exponential among `laws`.
+/// Fits of the products that are near one of `laws`, each form once.
 pub(super) fn between(session: &Session, response: &Response, laws: &[Law]) -> Vec<Law> {
-    let mut found = Vec::new();
-    for exponential in singles(laws, Shape::Exp) {
-        for power in singles(laws, Shape::Power) {
-            for (term, numbers) in means(&power, &exponential) {
-                let terms = [term];
-                if laws.iter().any(|law| is_same(&law.terms, &terms)) {
-                    continue;
-                }
-                let fitted = session.on(response, &terms, &[numbers], exponential.point.clone());
-                found.extend(fitted.and_then(|law| session.finish(response, &law)));
+    let mut found: Vec<Law> = Vec::new();
+    for law in laws {
+        let [term] = law.terms.as_slice() else { continue };
+        for (term, numbers) in products(term, &law.numbers()[0], &response.ranges) {
+            let terms = [term];
+            if laws.iter().chain(&found).any(|other| is_same(&other.terms, &terms)) {
+                continue;
             }
+            let fitted = session.on(response, &terms, &[numbers], law.fit.point.clone());
+            found.extend(fitted.and_then(|law| session.finish(response, &law)));
         }
     }
     found
@@ -80,26 +55,34 @@ pub(super) fn between(session: &Session, response: &Response, laws: &[Law]) -> V
 mod tests {
     use super::*;
 
-    /// Between 8/x² and 2 exp(-x/3) the geometric mean is 4 exp(-x/6)/x; between 8/x and it nothing is whole.
+    const RANGE: Range = Range { low: 1.0, high: 4.0, least: 1.0, greatest: 4.0 };
+
+    fn of(shape: Shape, rounded: Option<f64>, numbers: &[f64]) -> Vec<(Term, Vec<f64>)> {
+        let factor = Factor { rounded, ..Factor::new(shape, 0) };
+        products(&Term::new(0, 1, vec![factor]), numbers, &[RANGE])
+    }
+
+    /// In the middle, 2, 8 x^-1.5 falls as exp(-x/4)/x does, and 3 exp(-x/0.8) as exp(-x/4)/x² and exp(-3x/4)/x do.
     #[test]
-    fn a_product_is_the_geometric_mean_of_a_power_and_an_exponential() {
-        let point = || Point { parameters: Vec::new(), nuisances: Vec::new() };
-        let factor = |shape, rounded| Factor { rounded, ..Factor::new(shape, 0) };
-        let (inverse, square) = (factor(Shape::Power, Some(-1.0)), factor(Shape::Power, Some(-2.0)));
-        let term = |factor| Term::new(0, 1, vec![factor]);
-        let exponential = term(factor(Shape::Exp, None));
-        let found = |power: &Term, a: f64| {
-            let constant = power.factors[0].rounded.unwrap();
-            let power = Single { point: &point(), term: power, coefficients: vec![a], constant };
-            let exponential = Single { point: &point(), term: &exponential, coefficients: vec![2.0], constant: 3.0 };
-            means(&power, &exponential)
-        };
-        let all = found(&term(square), 8.0);
-        assert_eq!(all.len(), 1);
-        let (product, numbers) = &all[0];
-        assert_eq!(product.factors, [factor(Shape::Exp, None), inverse.clone()]);
-        assert!((numbers[0] - 4.0).abs() < 1e-12 && (numbers[1] - 6.0).abs() < 1e-12, "{numbers:?}");
-        assert!(found(&term(inverse), 8.0).is_empty());
-        assert!(found(&term(factor(Shape::Power, Some(-2.0))), -8.0).is_empty());
+    fn a_product_has_the_size_and_the_slope_of_the_law_in_the_middle() {
+        let value = |n: f64, numbers: &[f64]| numbers[0] * 2.0_f64.powf(n) * (-2.0 / numbers[1]).exp();
+        let found = of(Shape::Power, Some(-1.5), &[8.0]);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].0.factors[1].rounded, Some(-1.0));
+        assert!((found[0].1[1] - 4.0).abs() < 1e-12, "{found:?}");
+        assert!((value(-1.0, &found[0].1) - 8.0 * 2.0_f64.powf(-1.5)).abs() < 1e-12, "{found:?}");
+        let found = of(Shape::Exp, None, &[3.0, 0.8]);
+        let scales: Vec<f64> = found.iter().map(|(_, numbers)| numbers[1]).collect();
+        assert!((scales[0] - 4.0 / 3.0).abs() < 1e-12 && (scales[1] - 4.0).abs() < 1e-12, "{scales:?}");
+        assert!((value(-2.0, &found[1].1) - 3.0 * (-2.5_f64).exp()).abs() < 1e-12, "{found:?}");
+    }
+
+    /// A whole power, and what rises or falls slower than 1/x, has no product of this kind.
+    #[test]
+    fn only_what_falls_faster_than_one_over_x_has_a_product() {
+        assert!(of(Shape::Power, Some(-2.0), &[1.0]).is_empty());
+        assert!(of(Shape::Power, Some(-0.5), &[1.0]).is_empty());
+        assert!(of(Shape::Power, None, &[1.0, 1.6]).is_empty());
+        assert!(of(Shape::Exp, None, &[1.0, 5.0]).is_empty());
     }
 }

@@ -18,7 +18,7 @@
 //! | `simplify` | limits, omitted factors, rounded exponents |
 //! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
-//! | `between` | products of a power and an exponential that recordings do not distinguish |
+//! | `between` | products of a power and an exponential near one of both |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `alone` | which laws a law has to surpass before it stands alone |
@@ -177,7 +177,7 @@ fn conclude(
     let near = |laws| alone::near(session, response, laws, best, settings.margin);
     let (needed, needless) = by_need(session, found);
     let mut needed = near(needed);
-    // What lies between two of these is near both, whatever it costs.
+    // A product that falls as one of these does is near it, whatever it costs.
     needed.extend(between(session, response, &needed));
     // A law stands alone only where all its rivals were fitted and tested ...
     let mut short = session.short.load(Ordering::Relaxed);
