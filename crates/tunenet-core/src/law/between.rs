@@ -7,8 +7,10 @@ use super::response::Response;
 use super::shape::{Range, Shape};
 use super::term::{Factor, Term};
 
-/// Products that fall as fast as a law of one factor in the middle of the data, and are as large there. A whole power needs none: what bends
-/// away from it is no simpler.
+/// Exponents of a product.
+const WHOLE: [f64; 3] = [-1.0, -2.0, -3.0];
+
+/// Products that fall as fast as a law of one factor in the middle of the data, and are as large there. A whole power stays as it is.
 fn products(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f64>)> {
     let [factor] = term.factors.as_slice() else { return Vec::new() };
     let (coefficients, inner) = numbers.split_at(term.components);
@@ -30,8 +32,7 @@ fn products(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f6
         let factors = vec![Factor::new(Shape::Exp, factor.variable), rounded];
         (Term::new(term.direction, term.components, factors), numbers)
     };
-    let whole = (1_i8..).map(|n| -f64::from(n)).take_while(|n| *n > slope);
-    whole.map(product).collect()
+    WHOLE.into_iter().filter(|n| *n > slope).map(product).collect()
 }
 
 /// Fits of the products that are near one of `laws`, each form once.
@@ -77,12 +78,13 @@ mod tests {
         assert!((value(-2.0, &found[1].1) - 3.0 * (-2.5_f64).exp()).abs() < 1e-12, "{found:?}");
     }
 
-    /// A whole power, and what rises or falls slower than 1/x, has no product of this kind.
+    /// A whole power, and what rises or falls slower than 1/x, has no product of this kind; what falls far faster has those of all exponents.
     #[test]
     fn only_what_falls_faster_than_one_over_x_has_a_product() {
         assert!(of(Shape::Power, Some(-2.0), &[1.0]).is_empty());
         assert!(of(Shape::Power, Some(-0.5), &[1.0]).is_empty());
         assert!(of(Shape::Power, None, &[1.0, 1.6]).is_empty());
         assert!(of(Shape::Exp, None, &[1.0, 5.0]).is_empty());
+        assert_eq!(of(Shape::Exp, None, &[1.0, 1e-3]).len(), WHOLE.len());
     }
 }
