@@ -86,8 +86,8 @@ impl<'a> Ahead<'a> {
         gates.held_out_p = Some(p);
         // Where the constants' uncertainty explains more than noise leaves, rollouts are not linear in them, and the density is not known.
         let common = scale / *self.scale.get_or_insert(scale);
-        let is_linear = p < CREDIBLE && asked.explained <= LINEAR * left;
-        gates.held_out_nats = is_linear.then(|| -0.5 * (left * common * common + asked.spread));
+        gates.held_out_nats =
+            is_linear(p, asked.explained, left).then(|| -0.5 * (left * common * common + asked.spread));
         if self.response.is_none() {
             let numbers = law.numbers();
             let carried = session.carried(response, &law.terms, &numbers);
@@ -181,6 +181,12 @@ impl<'a> Ahead<'a> {
     }
 }
 
+/// Whether a law's constants may be taken to act linearly on held-out recordings: what their uncertainty explains of the squares is not most
+/// of them, and what is left is not less than noise would be (with this probability of as much or more by chance).
+fn is_linear(p: f64, explained: f64, left: f64) -> bool {
+    p < CREDIBLE && explained <= LINEAR * left
+}
+
 /// What recordings that were not fitted ask of the constants of a law.
 struct Asked {
     /// The probability that they ask for so different constants by chance.
@@ -217,6 +223,12 @@ fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn constants_are_not_linear_where_they_explain_most_or_leave_less_than_noise() {
+        assert!(is_linear(0.5, 30.0, 400.0) && is_linear(1e-6, 400.0, 400.0));
+        assert!(!is_linear(0.5, 401.0, 400.0) && !is_linear(0.9999, 30.0, 100.0));
+    }
 
     /// One constant with derivative 1 at four samples, known to ±½: S = 4, Σ = ¼. Residuals of 1 have s = ∓4 of variance 8, so χ² = 2,
     /// and 16/(4 + 4) = 2 of their squares are explained; the prediction's determinant is 1 + 4/4 = 2.

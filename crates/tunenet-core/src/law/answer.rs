@@ -230,3 +230,32 @@ impl FoundTerm {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gates(force: f64, ahead: f64) -> Gates {
+        Gates {
+            residual_force_nats: force,
+            heterogeneity_p: Some(0.5),
+            held_out_ratio: Some(1.0),
+            held_out_base: Some(2.0),
+            held_out_p: Some(0.002),
+            held_out_force_nats: Some(ahead),
+            held_out_differ_p: Some(0.5),
+            held_out_nats: None,
+        }
+    }
+
+    /// Odds of 20 to 1 on fitted recordings, of 1,000 to 1 on held-out ones as of their other tests.
+    #[test]
+    fn a_law_fails_the_first_test_whose_limit_it_exceeds() {
+        assert_eq!(gates(2.9, 6.8).failed(), None);
+        assert_eq!(gates(2.9, 7.0).failed(), Some(Reason::HeldOut));
+        assert_eq!(gates(3.1, 7.0).failed(), Some(Reason::ResidualForce));
+        assert_eq!(Gates { heterogeneity_p: Some(9e-4), ..gates(3.1, 7.0) }.failed(), Some(Reason::Heterogeneity));
+        assert_eq!(Gates { held_out_p: Some(9e-4), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
+        assert_eq!(Gates { held_out_base: Some(0.99), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
+    }
+}
