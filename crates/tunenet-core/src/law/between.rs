@@ -1,5 +1,5 @@
 //! Comprehensive models (Atkinson 1970): x^p and exp(-x/c), which fall with a variable, and x^n exp(-x/c) with a whole n between are nearly
-//! the same where recordings span less than a decade of it. What explains them as one of the first two is compared with the product.
+//! the same where recordings span less than a decade of it. A law of one of the first two forms is therefore compared with the product.
 
 use super::forms::is_same;
 use super::refit::{Law, Session};

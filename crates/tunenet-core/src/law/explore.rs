@@ -68,10 +68,7 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
         let known = |c: &Candidate, all: &[Candidate]| all.iter().any(|other| is_same(&other.terms, &c.terms));
         let kin = search.kin(&best.terms[0], &best.numbers()[0]);
         // Of powers without a constant inside one fit suffices.
-        let fitted = |c: &Candidate| {
-            let closed = c.terms[0].factors.iter().all(|f| f.rounded.is_some());
-            closed && laws.iter().any(|law| is_same(&law.terms, &c.terms))
-        };
+        let fitted = |c: &Candidate| c.terms[0].is_closed() && laws.iter().any(|law| is_same(&law.terms, &c.terms));
         let kin: Vec<Candidate> = kin.into_iter().filter(|c| !known(c, &rivals) && !fitted(c)).collect();
         rivals.extend(kin);
         about = Some(best);

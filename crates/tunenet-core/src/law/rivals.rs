@@ -69,17 +69,16 @@ impl<'a> Search<'a> {
 
     /// The neighbours of a term: each factor replaced by every other one, and, of a term of less than two factors, every one more.
     fn neighbours(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
-        let grid = |factor: &Factor| factor.grid(&self.response.ranges[factor.variable]);
-        let mut inner = Vec::new();
-        let mut at = term.components;
-        for factor in &term.factors {
-            inner.push(numbers[at..at + factor.constants()].to_vec());
-            at += factor.constants();
-        }
         let replaced = (0..term.factors.len()).flat_map(|f| self.factors.iter().map(move |other| (Some(f), other)));
         let room = term.factors.len() < 2;
         let added = self.factors.iter().filter(|_| room).map(|other| (None, other));
-        let tried: Vec<(Option<usize>, &Factor)> = replaced.chain(added).collect();
+        self.exchanged(term, numbers, &replaced.chain(added).collect::<Vec<_>>())
+    }
+
+    /// The term with each of these factors at its place, or added, with the best constants of their grids.
+    fn exchanged(&self, term: &Term, numbers: &[f64], tried: &[(Option<usize>, &Factor)]) -> Vec<Candidate> {
+        let grid = |factor: &Factor| factor.grid(&self.response.ranges[factor.variable]);
+        let inner: Vec<Vec<f64>> = term.inner(numbers).iter().map(|own| own.to_vec()).collect();
         let one = |&(place, other): &(Option<usize>, &Factor)| {
             let (mut factors, mut parts) = (term.factors.clone(), inner.clone());
             let place = place.unwrap_or_else(|| {
@@ -108,7 +107,7 @@ impl<'a> Search<'a> {
         let mut all = self.replaced(term, numbers);
         for fewer in self.fewer(term, numbers) {
             let replaced = self.replaced(&fewer.terms[0], &fewer.numbers[0]);
-            all.extend(replaced.into_iter().filter(|c| c.terms[0].factors.iter().all(|f| f.rounded.is_some())));
+            all.extend(replaced.into_iter().filter(|c| c.terms[0].is_closed()));
             all.push(fewer);
         }
         all.iter().filter_map(|c| self.polished(c)).collect()
@@ -116,28 +115,23 @@ impl<'a> Search<'a> {
 
     /// The term with one factor replaced by the other shapes of its variable and by whole powers.
     fn replaced(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
-        let kin = |other: &Term| {
-            let differ = term.factors.iter().zip(&other.factors).filter(|(a, b)| a != b);
-            let of_variable = |(a, b): (&Factor, &Factor)| a.variable == b.variable;
-            term.factors.len() == other.factors.len() && differ.clone().count() == 1 && differ.clone().all(of_variable)
+        let whole = |factor: &Factor| factor.rounded.is_none_or(|p| p.fract() == 0.0);
+        let of = |f: usize| {
+            let (own, others) = (&term.factors[f], term.factors.iter().enumerate().filter(move |(i, _)| *i != f));
+            let kept = others.map(|(_, other)| other).all(whole);
+            let kin = move |other: &&Factor| kept && other.variable == own.variable && *other != own && whole(other);
+            self.factors.iter().filter(kin).map(move |other| (Some(f), other))
         };
-        let whole = |term: &Term| term.factors.iter().all(|f| f.rounded.is_none_or(|p| p.fract() == 0.0));
-        self.neighbours(term, numbers).into_iter().filter(|c| kin(&c.terms[0]) && whole(&c.terms[0])).collect()
+        self.exchanged(term, numbers, &(0..term.factors.len()).flat_map(of).collect::<Vec<_>>())
     }
 
     /// The term with each factor omitted.
     fn fewer(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
+        let inner = term.inner(numbers);
         let without = |f: usize| {
-            let (mut factors, mut inner, mut at) = (Vec::new(), Vec::new(), term.components);
-            for (i, factor) in term.factors.iter().enumerate() {
-                let end = at + factor.constants();
-                if i != f {
-                    factors.push(factor.clone());
-                    inner.extend(&numbers[at..end]);
-                }
-                at = end;
-            }
-            self.best(term.direction, &factors, vec![inner])
+            let others = (0..term.factors.len()).filter(|i| *i != f);
+            let factors: Vec<Factor> = others.clone().map(|i| term.factors[i].clone()).collect();
+            self.best(term.direction, &factors, vec![others.flat_map(|i| inner[i].to_vec()).collect()])
         };
         (0..term.factors.len()).filter_map(without).collect()
     }

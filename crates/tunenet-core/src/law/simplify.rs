@@ -132,15 +132,11 @@ pub(super) fn merged(law: &Law, t: usize, numbers: &[Vec<f64>]) -> Option<(Vec<T
     if a.variable != b.variable {
         return None;
     }
-    let mut at = term.components;
-    let mut constants = |f: &Factor| {
-        at += f.constants();
-        numbers[t][at - f.constants()..at].to_vec()
-    };
-    let (of_a, of_b) = (constants(a), constants(b));
+    let inner = term.inner(&numbers[t]);
+    let (of_a, of_b) = (inner[0], inner[1]);
     let exponent = |f: &Factor, own: &[f64]| f.rounded.unwrap_or_else(|| own[0]);
     let (shape, constant) = match (a.shape, b.shape) {
-        (Shape::Power, Shape::Power) => (Shape::Power, exponent(a, &of_a) + exponent(b, &of_b)),
+        (Shape::Power, Shape::Power) => (Shape::Power, exponent(a, of_a) + exponent(b, of_b)),
         (Shape::Sign | Shape::Tanh, Shape::Bump) => (Shape::Stribeck, of_b[1]),
         (Shape::Bump, Shape::Sign | Shape::Tanh) => (Shape::Stribeck, of_a[1]),
         _ => return None,

@@ -115,6 +115,22 @@ impl Term {
         self.factors.iter().all(|factor| factor.rounded.is_none())
     }
 
+    /// Whether each factor's constant is rounded.
+    pub(super) fn is_closed(&self) -> bool {
+        self.factors.iter().all(|factor| factor.rounded.is_some())
+    }
+
+    /// Of its numbers, the fitted constants of each factor.
+    pub(super) fn inner<'n>(&self, numbers: &'n [f64]) -> Vec<&'n [f64]> {
+        let mut rest = &numbers[self.components..];
+        let each = self.factors.iter().map(|factor| {
+            let (own, after) = rest.split_at(factor.constants());
+            rest = after;
+            own
+        });
+        each.collect()
+    }
+
     /// The same with every rounded constant free.
     pub(super) fn opened(&self) -> Self {
         let factors = self.factors.iter().map(|f| Factor::new(f.shape, f.variable)).collect();
