@@ -2,10 +2,11 @@
 //! laws and prefers the simpler one where both explain as much, which is no evidence against the other. Laws of as many factors are
 //! therefore compared by Akaike's criterion as well, and those with as many fitted constants by likelihood alone: which exponent is the
 //! rounder one is no evidence either. What claims more than was visited takes no part in that: a bump of which one flank was seen only is
-//! any smooth function that rises.
+//! any smooth function that rises. Nor is a law a rival of one that it holds as a special case where it predicts held-out recordings no
+//! better: tens of further factors are tried on the fitted ones, and the best of them gains there by chance (Geisser 1975).
 
 use super::answer::Member;
-use super::forms::is_same;
+use super::forms::{is_same, nests};
 use super::found::WIDER;
 use super::price;
 use super::refit::{Law, Session};
@@ -142,8 +143,17 @@ pub(super) fn undecided(
     let nats = |member: &Member| member.gates.held_out_nats.filter(|_| known).unwrap_or(0.0);
     let support = members.iter().map(|(law, member)| Support::of(session, response, law, nats(member)));
     let support: Vec<Support> = support.collect();
-    let best = support.iter().map(|one| one.schwarz).fold(f64::NEG_INFINITY, f64::max);
-    let mut left = kept(members.into_iter().zip(support.iter()).collect(), nearest(&support, None, margin));
+    let left = kept(members.into_iter().zip(&support).collect(), nearest(&support, None, margin));
+    let space = session.host.space();
+    let unconfirmed = |((large, ahead), _): &((Law, Member), &Support)| {
+        let by = |((small, of), _): &((Law, Member), &Support)| {
+            nests(space, &large.terms, &small.terms) && predicts_no_better(ahead, of)
+        };
+        known && left.iter().any(by)
+    };
+    let keep = left.iter().map(|one| !unconfirmed(one)).collect();
+    let mut left = kept(left, keep);
+    let best = left.iter().map(|(_, one)| one.schwarz).fold(f64::NEG_INFINITY, f64::max);
     left.sort_by(|a, b| {
         let score = |(law, member): &(Law, Member)| law.score + 2.0 * nats(member);
         score(&b.0).total_cmp(&score(&a.0))
@@ -152,6 +162,11 @@ pub(super) fn undecided(
         (law, Member { behind_best: best - support.schwarz, ..member })
     };
     left.into_iter().map(behind).collect()
+}
+
+/// Whether held-out recordings are not predicted better by the first; without any there is nothing to say.
+fn predicts_no_better(large: &Member, small: &Member) -> bool {
+    large.gates.held_out_nats.zip(small.gates.held_out_nats).is_some_and(|(large, small)| large <= small)
 }
 
 /// The members without those that are another one with its exponents free, where these leave no other multiple of one half open: both are
