@@ -102,7 +102,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Several => "the recordings do not distinguish these laws",
         Reason::Terms => "it has two terms, and their rivals were not compared",
         Reason::Flexible => {
-            "a bump of which only one flank was seen, or two factors with two constants each, fit any smooth force"
+            "one flank of a bump, less than half a period of an oscillation, or two factors with two constants each fit any smooth force"
         }
         Reason::Grammar => "no product of two shapes of the table explains what is missing",
         Reason::Catalogue => "an effect of the catalogue explains the recordings as well",

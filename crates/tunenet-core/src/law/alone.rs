@@ -1,9 +1,11 @@
 //! Which laws a law has to surpass before it stands alone (Burnham and Anderson 2002, sections 2.2 and 6.4): the Schwarz criterion ranks
 //! laws and prefers the simpler one where both explain as much, which is no evidence against the other. Laws of as many factors are
 //! therefore compared by Akaike's criterion as well, and those with as many fitted constants by likelihood alone: which exponent is the
-//! rounder one is no evidence either. What claims more than was visited takes no part in that: a bump of which one flank was seen only is
-//! any smooth function that rises. Nor is a law a rival of one that it holds as a special case where it predicts held-out recordings no
+//! rounder one is no evidence either. What claims more than was visited takes no part in that: a bump of which one flank was seen only, or
+//! less than half a period of an oscillation, is any smooth function that rises. Nor is a law a rival of one that it holds as a special case where it predicts held-out recordings no
 //! better: tens of further factors are tried on the fitted ones, and the best of them gains there by chance (Geisser 1975).
+
+use std::f64::consts::PI;
 
 use super::answer::Member;
 use super::forms::{is_same, nests};
@@ -49,7 +51,7 @@ struct Support {
     /// How many constants are fitted, and how many numbers the data chose.
     constants: usize,
     chosen: usize,
-    /// Whether the middle of every bump was visited.
+    /// Whether the middle of every bump and half a period of every oscillation were visited.
     visited: bool,
 }
 
@@ -57,7 +59,7 @@ impl Support {
     /// By fitted recordings, and by held-out ones of which its predictive density has this logarithm (nats).
     fn of(session: &Session, response: &Response, law: &Law, held_out_nats: f64) -> Self {
         let more = 2.0 * held_out_nats;
-        let visited = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
+        let visited = visits_shapes(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
         Self {
             schwarz: law.bic + more,
             akaike: akaike(session, law) + more,
@@ -94,29 +96,36 @@ fn kept<T>(all: Vec<T>, keep: Vec<bool>) -> Vec<T> {
     all.into_iter().zip(keep).filter_map(|(one, keep)| keep.then_some(one)).collect()
 }
 
-/// Whether the 95 % interval of the middle of every bump lies within what the recordings visited.
-fn visits_middles(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], ranges: &[Range]) -> bool {
+/// Whether the recordings visited what makes the shape of every factor: the 95 % interval of the middle of a bump, and half a period of an
+/// oscillation even at the lower end of its interval.
+fn visits_shapes(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], ranges: &[Range]) -> bool {
     let mut before = 0;
     terms.iter().zip(numbers).all(|(term, values)| {
         let mut at = term.components;
         let visited = term.factors.iter().all(|factor| {
             let range = &ranges[factor.variable];
-            let middle = factor.open().iter().position(|role| *role == Role::Place).is_none_or(|i| {
-                let half = NORMAL_95 * WIDER * deviations[before + at + i];
-                range.low <= values[at + i] - half && values[at + i] + half <= range.high
+            let mut each = factor.open().iter().enumerate();
+            let whole = each.all(|(i, role)| {
+                let (value, half) = (values[at + i], NORMAL_95 * WIDER * deviations[before + at + i]);
+                match role {
+                    Role::Place => range.low <= value - half && value + half <= range.high,
+                    Role::Frequency => (value - half) * (range.high - range.low) >= PI,
+                    _ => true,
+                }
             });
             at += factor.constants();
-            middle
+            whole
         });
         before += values.len();
         visited
     })
 }
 
-/// Whether a law fits any smooth force: a bump of which a flank was seen only, or two factors with two constants each.
+/// Whether a law fits any smooth force: a bump of which a flank was seen only, less than half a period of an oscillation, or two factors
+/// with two constants each.
 pub(super) fn is_flexible(response: &Response, law: &Law) -> bool {
-    let middles = visits_middles(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
-    !middles || law.terms.iter().any(is_product_of_four_constants)
+    let shapes = visits_shapes(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
+    !shapes || law.terms.iter().any(is_product_of_four_constants)
 }
 
 /// Bumps and oscillations have two constants.
@@ -251,12 +260,25 @@ mod tests {
         let bump = [Term::new(0, 1, vec![Factor::new(Shape::Bump, 0)])];
         let range = |high| [Range { low: 1.0, high, least: 1.0, greatest: high }];
         let of = |deviation: f64, high: f64| {
-            visits_middles(&bump, &[vec![9.0, 2.0, 0.7]], &[0.1, deviation, 0.1], &range(high))
+            visits_shapes(&bump, &[vec![9.0, 2.0, 0.7]], &[0.1, deviation, 0.1], &range(high))
         };
         let deviation = 0.5 / (NORMAL_95 * WIDER);
         assert!(of(deviation, 4.0) && of(0.1 * deviation, 2.2));
         assert!(!of(deviation, 2.2) && !of(2.1 * deviation, 4.0));
-        assert!(visits_middles(&[power(None)], &[vec![1.0, 9.0]], &[0.1, 9.0], &range(2.0)));
+        assert!(visits_shapes(&[power(None)], &[vec![1.0, 9.0]], &[0.1, 9.0], &range(2.0)));
+    }
+
+    /// cos(k t + f) over 3 s: half a period is π = 3 k, which k = 1.2 ± 0.1 passes, and 1.2 ± 0.2 and 1.0 do not. A rounded one is known.
+    #[test]
+    fn half_a_period_of_an_oscillation_is_visited() {
+        let wave = [Term::new(0, 1, vec![Factor::new(Shape::Wave, 0)])];
+        let range = [Range { low: 0.0, high: 3.0, least: 0.0, greatest: 3.0 }];
+        let of = |k: f64, half: f64| {
+            visits_shapes(&wave, &[vec![9.0, k, 0.5]], &[0.1, half / (NORMAL_95 * WIDER), 0.1], &range)
+        };
+        assert!(of(1.2, 0.1) && !of(1.2, 0.2) && !of(1.0, 0.0));
+        let whole = [Term::new(0, 1, vec![Factor { rounded: Some(1.0), ..Factor::new(Shape::Cos, 0) }])];
+        assert!(visits_shapes(&whole, &[vec![9.0]], &[0.1], &range));
     }
 
     #[test]

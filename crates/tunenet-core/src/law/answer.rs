@@ -49,7 +49,8 @@ pub enum Reason {
     Several,
     /// It has two terms, whose rivals were not compared.
     Terms,
-    /// It fits any smooth force: a bump of which one flank was seen only, or a product of two factors with two constants each.
+    /// It fits any smooth force: a bump of which one flank was seen only, less than half a period of an oscillation, or a product of two
+    /// factors with two constants each.
     Flexible,
     /// No shape of the table gains what it costs.
     Grammar,
