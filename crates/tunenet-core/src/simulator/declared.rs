@@ -51,6 +51,11 @@ pub trait Model: Send + Sync {
         false
     }
 
+    /// Whether the initial state may hold at an earlier instant than the recording's first, where stamps are late.
+    fn starts_earlier(&self) -> bool {
+        true
+    }
+
     /// Whether it refuses initial states that it does not know.
     fn checks_states(&self) -> bool {
         false
@@ -204,6 +209,12 @@ impl<M: Model> Declared<M> {
             start[i] = *value;
         }
         let (parameters, coefficients) = numbers.split_at(self.own);
+        // A state that is estimated is that of the first sample, however late its stamp: the thing did not rest until that instant.
+        let earlier = times_s.first().copied().filter(|first| {
+            *first < recording.start_s && states.iter().any(StartState::is_free) && self.model.starts_earlier()
+        });
+        let earlier = earlier.map(|start_s| Circumstances { start_s, ..recording.clone() });
+        let recording = earlier.as_ref().unwrap_or(recording);
         let run = Run { numbers: &numbers, parameters, coefficients, recording, start: &start, times_s };
         self.model.simulate(&run, values)
     }
@@ -353,6 +364,26 @@ mod tests {
             (ready.nuisances[0].name.as_str(), ready.nuisances[0].value, ready.prior_sd(0)),
             ("start.x", 7.0, 0.5)
         );
+    }
+
+    /// x(t) = start + (t − first instant): stamps that are late by 0.5 s change nothing where the start is estimated; a known start holds
+    /// at the first stamp.
+    #[test]
+    fn an_estimated_start_is_that_of_the_first_sample_however_late_its_stamp() {
+        let model = |run: &Run, values: &mut [f64]| {
+            for (value, &t) in values.iter_mut().zip(run.times_s) {
+                *value = run.start[0] + (t - run.recording.start_s).max(0.0);
+            }
+            Ok(())
+        };
+        let of = |start: StartState| Declared::new(model, Vec::new(), vec![Channel::new("x", "m")]).start(start);
+        let late = |simulator: &dyn Simulator, nuisances: &[f64]| {
+            let ready = prepared(simulator);
+            predict(simulator, &ready, &[], nuisances, &[9.5, 10.5, 11.5]).unwrap()
+        };
+        let start = StartState::new("x", "m", StartValue::First(0));
+        assert_eq!(late(&of(start.clone().with_prior(0.5)), &[7.0]), [7.0, 8.0, 9.0]);
+        assert_eq!(late(&of(start), &[]), [7.0, 7.5, 8.5]);
     }
 
     #[test]

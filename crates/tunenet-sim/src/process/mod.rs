@@ -116,6 +116,11 @@ pub fn start_setups(files: &[&SimulationFile], session: &Session) -> Result<Proc
 }
 
 impl Model for ProcessModel {
+    /// A program knows its recordings by their first instants.
+    fn starts_earlier(&self) -> bool {
+        false
+    }
+
     fn simulate(&self, run: &Run, values: &mut [f64]) -> RolloutResult {
         // A step that lost its way is no rollout, and no fault of the program.
         let numbers = [run.parameters, run.coefficients].concat();
