@@ -1,6 +1,7 @@
 //! Robot joints that follow commands.
 
 mod bad_input;
+mod formulas;
 mod from_logs;
 mod interfaces;
 mod models;

@@ -15,10 +15,12 @@ pub struct Truth {
     pub release_delay: f64,
     /// Factor of the gain that the firmware has.
     pub gain: f64,
+    /// Torque (N·m) of magnets that draw the rotor to eight places of a turn.
+    pub cogging: f64,
 }
 
 pub const NONE: Truth =
-    Truth { coulomb: 0.13, viscous: 0.02, mu: 0.0, command_delay: 0.0, release_delay: 0.0, gain: 1.0 };
+    Truth { coulomb: 0.13, viscous: 0.02, mu: 0.0, command_delay: 0.0, release_delay: 0.0, gain: 1.0, cogging: 0.0 };
 
 /// One run: gain, mass (kg), distance of the mass (m), and the kind of motion.
 pub type Run = (f64, f64, f64, Motion);
@@ -77,7 +79,7 @@ pub fn positions(truth: &Truth, (kp, mass, length, motion): Run) -> Vec<f64> {
         let t = f64::from(k) * STEP_S;
         let duty = (0.166 * truth.gain * kp * (sampled(motion, t - truth.command_delay) - q)).clamp(-1.0, 1.0);
         let motor = if t < off { 6.0 * duty - 1.2 * w } else { 0.0 };
-        let weight = -mass * 9.81 * length * q.sin();
+        let weight = -mass * 9.81 * length * q.sin() - truth.cogging * (8.0 * q).sin();
         let dry = STEP_S / inertia * (truth.coulomb + truth.mu * (weight - motor).abs());
         let ahead = w + STEP_S / inertia * (motor + weight - truth.viscous * w);
         w = if ahead.abs() <= dry { 0.0 } else { ahead - dry * ahead.signum() };

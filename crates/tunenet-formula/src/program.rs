@@ -41,7 +41,10 @@ pub struct Program {
 
 impl Program {
     /// The operations of a tree.
-    pub(crate) fn compile(tree: &Tree) -> Result<Self, FormulaError> {
+    ///
+    /// # Errors
+    /// Where the formula is nested too deeply.
+    pub fn compile(tree: &Tree) -> Result<Self, FormulaError> {
         Self::made(tree, None)
     }
 

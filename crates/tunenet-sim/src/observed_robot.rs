@@ -10,12 +10,14 @@ use tunenet_core::simulator::{Declared, Effect, Parameter, StartState, StartValu
 use tunenet_formats::{Error, Result};
 
 use crate::arm::{Joint, JointKind, Model, model_file};
+use crate::formula_effect::joint::JointOf;
+use crate::formula_effect::{Acts, FormulaEffect};
 use crate::robot::effects::{RobotEffect, in_units_of_joints};
 use crate::robot::layout::{Layout, Reading, Role, Start, Wiring};
 use crate::robot::numbers::{JointNumbers, NO_RANGE, Number};
 use crate::robot::rig::{Mass, Rig};
 use crate::robot::trajectory::Quantity;
-use crate::robot::{Drive, RobotModel, StatedGravity, stated_gravity};
+use crate::robot::{Acting, Drive, RobotModel, StatedGravity, stated_gravity};
 use crate::scene::{JointScene, RobotScene};
 use crate::simulation_file::robot_schema::role;
 use crate::{SimulationFile, declared, findings};
@@ -85,6 +87,8 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         motors::with_limits_reached(with_damping_left(entry, &damping), &motors)
     };
     let mut entries: Vec<Effect> = effects.iter().map(entry).collect();
+    let joints: Vec<JointOf> = names.iter().copied().zip(slides.iter().copied()).collect();
+    let formulas = file.robot_formulas(&joints)?;
     let zero = |joint: usize| {
         let mut all = roles.iter().zip(&parameters);
         let own = all.find(|(role, _)| role.joint == joint && role.number == Number::Zero);
@@ -94,7 +98,7 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         zeros: (0..order.len()).map(zero).collect(),
         command_ranges: motors::command_ranges(&motors, &order, &roles, &parameters),
         roles,
-        effects: effects.clone(),
+        effects: acting(&effects, &formulas),
         readings: readings(scene, &order),
         starts: starts.iter().map(|(start, _)| *start).collect(),
         wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
@@ -122,14 +126,35 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     for coefficient in entries.iter_mut().flat_map(|entry| &mut entry.coefficients) {
         coefficient.channels = coefficient.number.and_then(|number| of_joint(number.checked_sub(1)?));
     }
+    entries.extend(formulas.iter().map(|formula| of_its_joint(formula, of_joint)));
     let mut simulator = Declared::new(RobotModel::new(rigs, layout), parameters, channels).setups(states);
-    for (effect, entry) in effects.iter().zip(entries) {
-        simulator = match given(effect.name) {
+    let present = file.effects();
+    for entry in entries {
+        simulator = match present.iter().find(|one| one.name == entry.name) {
             Some(one) => simulator.present(entry, &one.values)?,
             None => simulator.candidate(entry),
         };
     }
     Ok(simulator)
+}
+
+/// What may act on the joints: effects of the catalogue, then formulas.
+fn acting(effects: &[RobotEffect], formulas: &[FormulaEffect]) -> Vec<Acting> {
+    let built_in = effects.iter().cloned().map(Acting::BuiltIn);
+    built_in.chain(formulas.iter().cloned().map(|formula| Acting::Formula(Box::new(formula)))).collect()
+}
+
+/// The entry of a formula. Where it acts at one joint alone, its numbers show in the channels of that one.
+fn of_its_joint(formula: &FormulaEffect, channels_of: impl Fn(usize) -> Option<Vec<usize>>) -> Effect {
+    let mut entry = formula.effect.clone();
+    if let Acts::Joint(torque) = &formula.acts
+        && let (1, Some(joint)) = torque.acts_at()
+    {
+        for coefficient in &mut entry.coefficients {
+            coefficient.channels = channels_of(joint);
+        }
+    }
+    entry
 }
 
 /// The damping in the firmware of each joint, s/rad or s/m: the least of all setups.

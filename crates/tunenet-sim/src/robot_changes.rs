@@ -71,6 +71,8 @@ pub fn robot_changes(file: &SimulationFile, intervals: Intervals) -> Result<Robo
             "`{TIME_DELAY}` is written as a delay of the commands of every joint: no recording from rest distinguishes both"
         ));
     }
+    let formulas = file.effects().into_iter().filter(|effect| file.candidate(&effect.name).is_some());
+    found.notes.extend(formulas.map(|effect| format!("`{}` is a formula, which no model file holds", effect.name)));
     found.changes.extend(extra_load(&model, &present, intervals));
     let kinds = kinds(&model, &order);
     for (place, (name, scene)) in order.iter().enumerate() {

@@ -90,7 +90,12 @@ fn improved_robot(answer: &Answer, number: usize, mut file: SimulationFile) -> R
         file.set_robot_value(&tuned.name, tuned.value)?;
     }
     for effect in answer.effects_of(number) {
-        file.add_robot_effect(&effect.effect.name, &values_of(effect, number))?;
+        let values = values_of(effect, number);
+        if file.candidate(&effect.effect.name).is_some() {
+            file.add_declared(&effect.effect.name, &values)?;
+        } else {
+            file.add_robot_effect(&effect.effect.name, &values)?;
+        }
     }
     Ok(file)
 }

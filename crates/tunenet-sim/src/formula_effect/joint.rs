@@ -1,24 +1,45 @@
-//! A torque at one joint or several: a formula of its position, its speed and the time.
+//! A torque at one joint or several: a formula of its position, its speed and the time. Where it jumps with the direction of the motion, a
+//! rollout takes both sides of the jump, between which a joint sticks (Filippov 1988).
 
 use std::sync::Arc;
 
-use tunenet_formula::Formula;
+use tunenet_formula::{Formula, FormulaError, Node, Program, Tree};
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
 use crate::scene::Candidate;
 
-/// What a formula of a joint may use, with its unit.
+/// What a formula of a joint that turns may use, with its unit, and of one that slides.
 const VARIABLES: [(&str, &str); 3] = [("q_rad", "rad"), ("dq_rad_s", "rad/s"), ("t_s", "s")];
+const OF_SLIDES: [(&str, &str); 3] = [("q_m", "m"), ("dq_m_s", "m/s"), ("t_s", "s")];
+const SPEED: usize = 1;
 const TIME: usize = 2;
+const COUNT: usize = VARIABLES.len();
+/// Most places where a formula may jump.
+const MOST_SURFACES: usize = 8;
 /// Speed at which the direction of a motion has found its sign, rad/s.
 const SLIDING_RAD_S: f64 = 0.01;
+
+/// A joint of a robot: its name, and whether it slides.
+pub(crate) type JointOf<'a> = (&'a str, bool);
+
+/// Where the formula jumps.
+#[derive(Debug, Clone, PartialEq)]
+enum Surface {
+    /// Where the motion turns.
+    Turn,
+    /// Where this crosses zero.
+    Zero(Program),
+}
 
 /// The torque.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointTorque {
     formula: Formula,
     layout: Layout,
+    /// The formula with a side for each of its surfaces.
+    sided: Program,
+    surfaces: Vec<Surface>,
     /// Where each joint of the arm stands among those that it acts at.
     joints: Vec<Option<usize>>,
     /// Whether it points along the motion.
@@ -27,7 +48,31 @@ pub(crate) struct JointTorque {
 }
 
 impl JointTorque {
-    pub fn new(candidate: &Candidate, joints: Option<&[String]>) -> Result<Self, Misfit> {
+    /// What acts at the joints of an arm whose motion is known; without them it is only checked.
+    pub fn of_arm(candidate: &Candidate, joints: Option<&[String]>) -> Result<Self, Misfit> {
+        if let Some(other) = candidate.gives.as_deref().filter(|gives| *gives != "nm") {
+            let found = format!("\"{}\"", other.escape_debug());
+            return Err(Misfit::new("gives", "\"nm\", the torque that an arm's motion needs more", found));
+        }
+        let turning: Option<Vec<JointOf>> = joints.map(|all| all.iter().map(|name| (name.as_str(), false)).collect());
+        Self::made(candidate, turning.as_deref(), false)
+    }
+
+    /// What acts at the joints of a robot that follows commands: those that turn, or those that slide where it gives a force.
+    pub fn of_robot(candidate: &Candidate, joints: Option<&[JointOf]>) -> Result<Self, Misfit> {
+        let slides = match candidate.gives.as_deref() {
+            None | Some("nm") => false,
+            Some("n") => true,
+            Some(other) => {
+                let expected =
+                    "\"nm\", the torque that a turning joint needs more, or \"n\", the force that a sliding one does";
+                return Err(Misfit::new("gives", expected, format!("\"{}\"", other.escape_debug())));
+            }
+        };
+        Self::made(candidate, joints, slides)
+    }
+
+    fn made(candidate: &Candidate, joints: Option<&[JointOf]>, slides: bool) -> Result<Self, Misfit> {
         let along_motion = match candidate.along.as_slice() {
             [] => false,
             [one] if one == "dq" => true,
@@ -36,18 +81,26 @@ impl JointTorque {
                 return Err(Misfit::new("along", expected, format!("{other:?}")));
             }
         };
-        if let Some(other) = candidate.gives.as_deref().filter(|gives| *gives != "nm") {
-            let found = format!("\"{}\"", other.escape_debug());
-            return Err(Misfit::new("gives", "\"nm\", the torque that an arm's motion needs more", found));
-        }
         if candidate.joints.is_none() && !candidate.per_direction.is_empty() {
             let expected = "`joints`, each of which then has numbers of its own";
             return Err(Misfit::new("per_direction", expected, "none"));
         }
         let named = candidate.joints.as_deref();
-        if let Some(name) = named.into_iter().flatten().find(|name| joints.is_some_and(|all| !all.contains(name))) {
-            let known = joints.into_iter().flatten().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
-            return Err(Misfit::new("joints", format!("joints of the arm ({known})"), format!("\"{name}\"")));
+        let fits = |joint: &&JointOf| joint.1 == slides;
+        let known = || joints.into_iter().flatten().filter(fits);
+        let has = |name: &str| joints.is_none() || known().any(|(own, _)| *own == name);
+        if let Some(name) = named.into_iter().flatten().find(|name| !has(name)) {
+            let all = known().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+            let which = if slides { "joints that slide" } else { "joints that turn" };
+            return Err(Misfit::new("joints", format!("{which} ({all})"), format!("\"{name}\"")));
+        }
+        if joints.is_some() && known().next().is_none() {
+            let (which, other) = if slides { ("slides", "\"nm\"") } else { ("turns", "\"n\"") };
+            return Err(Misfit::new(
+                "gives",
+                other,
+                format!("what acts at a joint that {which}, of which there is none"),
+            ));
         }
         if named.is_some_and(<[String]>::is_empty) {
             return Err(Misfit::new("joints", "at least one", "none"));
@@ -56,13 +109,22 @@ impl JointTorque {
         if let Some(i) = (0..all.len()).find(|&i| all[..i].contains(&all[i])) {
             return Err(Misfit::new("joints", "each joint once", format!("\"{}\" twice", all[i].escape_debug())));
         }
-        let place =
-            |(i, name): (usize, &String)| named.map_or(Some(i), |named| named.iter().position(|one| one == name));
+        let place = |(i, joint): (usize, &JointOf)| {
+            let own = named.map_or(Some(i), |named| named.iter().position(|one| one == joint.0));
+            own.filter(|_| fits(&joint))
+        };
         let places = joints.into_iter().flatten().enumerate().map(place).collect();
-        let (formula, layout) = formula(candidate, &VARIABLES, named.map_or(1, <[String]>::len))?;
-        require_unit(&formula, "N·m")?;
+        let (variables, unit) = if slides { (&OF_SLIDES, "N") } else { (&VARIABLES, "N·m") };
+        let (formula, layout) = formula(candidate, variables, named.map_or(1, <[String]>::len))?;
+        require_unit(&formula, unit)?;
         let depends_on_time = formula.uses(TIME);
-        Ok(Self { formula, layout, joints: places, along_motion, depends_on_time })
+        let (sided, surfaces) = sides_of(&formula).map_err(Misfit::of)?;
+        Ok(Self { formula, layout, sided, surfaces, joints: places, along_motion, depends_on_time })
+    }
+
+    /// At how many joints of the robot it acts, and which one is the first.
+    pub fn acts_at(&self) -> (usize, Option<usize>) {
+        (self.joints.iter().flatten().count(), self.joints.iter().position(Option::is_some))
     }
 
     /// As it was written.
@@ -73,6 +135,24 @@ impl JointTorque {
     pub fn depends_on_time(&self) -> bool {
         self.depends_on_time
     }
+}
+
+/// The formula with the side of each of its surfaces left open, and where these are.
+fn sides_of(formula: &Formula) -> Result<(Program, Vec<Surface>), FormulaError> {
+    let mut trees = Vec::new();
+    let sided = Program::switched(formula.tree(), &mut trees)?;
+    let surface = |tree: &Tree| match &tree.node {
+        Node::Name { index: SPEED, .. } => Ok(Surface::Turn),
+        _ => Program::compile(tree).map(Surface::Zero),
+    };
+    if trees.len() > MOST_SURFACES {
+        let place = formula.tree().place.clone();
+        let (expected, found) =
+            (format!("at most {MOST_SURFACES} different arguments of `sign`"), trees.len().to_string());
+        return Err(FormulaError { place, expected, found });
+    }
+    let surfaces = trees.iter().map(surface).collect::<Result<_, _>>()?;
+    Ok((sided, surfaces))
 }
 
 /// The torque with its numbers.
@@ -90,14 +170,41 @@ impl AppliedTorque {
 
     /// The torque (N·m) that the motion of joint `j` needs more at this instant, position and speed.
     pub(crate) fn torque(&self, j: usize, t: f64, q: f64, dq: f64) -> f64 {
-        const COUNT: usize = VARIABLES.len();
+        let Some(names) = self.names(j, [q, dq, t]) else { return 0.0 };
+        let sign = if self.torque.along_motion { dq / dq.hypot(SLIDING_RAD_S) } else { 1.0 };
+        sign * self.torque.formula.program().value(&names)
+    }
+
+    /// The same where the joint moves forwards, and where it moves backwards: both differ by what jumps when the motion turns.
+    pub(crate) fn sides(&self, j: usize, t: f64, q: f64, dq: f64) -> (f64, f64) {
+        let Some(names) = self.names(j, [q, dq, t]) else { return (0.0, 0.0) };
         let torque = &*self.torque;
-        let Some(place) = torque.joints.get(j).copied().flatten() else { return 0.0 };
+        if torque.surfaces.is_empty() {
+            let value = torque.formula.program().value(&names);
+            return (value, if torque.along_motion { -value } else { value });
+        }
+        let of = |side: f64| {
+            let mut sides = [0.0; MOST_SURFACES];
+            for (into, surface) in sides.iter_mut().zip(&torque.surfaces) {
+                *into = match surface {
+                    Surface::Turn => side,
+                    Surface::Zero(program) => program.value(&names).signum(),
+                };
+            }
+            let value = torque.sided.run(&names, &sides, |_, _| 0.0);
+            if torque.along_motion { side * value } else { value }
+        };
+        (of(1.0), of(-1.0))
+    }
+
+    /// The values of all names of the formula at joint `j`; nothing where it does not act there.
+    fn names(&self, j: usize, variables: [f64; COUNT]) -> Option<[f64; COUNT + MOST_COEFFICIENTS]> {
+        let torque = &*self.torque;
+        let place = torque.joints.get(j).copied().flatten()?;
         let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
-        names[..COUNT].copy_from_slice(&[q, dq, t]);
+        names[..COUNT].copy_from_slice(&variables);
         torque.layout.fill(&self.values, place, &mut names[COUNT..COUNT + torque.layout.coefficients()]);
-        let sign = if torque.along_motion { dq / dq.hypot(SLIDING_RAD_S) } else { 1.0 };
-        sign * torque.formula.program().value(&names)
+        Some(names)
     }
 }
 
@@ -112,7 +219,7 @@ mod tests {
     #[test]
     fn each_named_joint_has_its_own_numbers() {
         let joints = ["a", "b", "c"].map(str::to_owned);
-        let torque = Arc::new(JointTorque::new(&candidate(CABLE), Some(&joints)).unwrap());
+        let torque = Arc::new(JointTorque::of_arm(&candidate(CABLE), Some(&joints)).unwrap());
         let applied = AppliedTorque::new(&torque, &[2.0, 3.0]);
         let at = |j: usize| applied.torque(j, 0.0, std::f64::consts::FRAC_PI_2, 0.0);
         assert_eq!((at(0), at(1), at(2)), (3.0, 2.0, 0.0));
@@ -121,11 +228,11 @@ mod tests {
     #[test]
     fn what_the_arm_lacks_is_refused() {
         let joints = ["a".to_owned()];
-        assert_eq!(JointTorque::new(&candidate(CABLE), Some(&joints)).unwrap_err().found, "\"b\"");
-        assert!(JointTorque::new(&candidate(CABLE), None).is_ok());
+        assert_eq!(JointTorque::of_arm(&candidate(CABLE), Some(&joints)).unwrap_err().found, "\"b\"");
+        assert!(JointTorque::of_arm(&candidate(CABLE), None).is_ok());
         let twice = CABLE.replace("[\"b\", \"a\"]", "[\"b\", \"b\"]");
-        assert_eq!(JointTorque::new(&candidate(&twice), None).unwrap_err().found, "\"b\" twice");
+        assert_eq!(JointTorque::of_arm(&candidate(&twice), None).unwrap_err().found, "\"b\" twice");
         let speed = CABLE.replace("k*sin(q_rad)", "k*dq_rad_s");
-        assert_eq!(JointTorque::new(&candidate(&speed), None).unwrap_err().key, "formula");
+        assert_eq!(JointTorque::of_arm(&candidate(&speed), None).unwrap_err().key, "formula");
     }
 }

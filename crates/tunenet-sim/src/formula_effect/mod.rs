@@ -25,7 +25,7 @@ use crate::phase;
 use crate::scene::{Candidate, CandidateCoefficient};
 use contact::ContactFormula;
 use flight::FlightForce;
-use joint::JointTorque;
+use joint::{JointOf, JointTorque};
 use layout::Layout;
 
 /// Most coefficients of a formula.
@@ -105,9 +105,25 @@ impl FormulaEffect {
         if phase::parse(&candidate.acts) != Phase::Joint {
             return Err(Misfit::new("acts", "\"joint\" for an arm", quoted(&candidate.acts)));
         }
-        let torque = JointTorque::new(candidate, joints)?;
+        Ok(Self::at_joints(name, candidate, JointTorque::of_arm(candidate, joints)?))
+    }
+
+    /// The effect that a candidate of a robot's file declares, on a robot with these joints; without them it is only checked.
+    ///
+    /// # Errors
+    /// As [`of_arm`](Self::of_arm).
+    pub(crate) fn of_robot(name: &str, candidate: &Candidate, joints: Option<&[JointOf]>) -> Result<Self, Misfit> {
+        refuse_key("centre", candidate.centre.is_some(), "a ball")?;
+        refuse_key("valid", !candidate.valid.is_empty(), "a ball")?;
+        if phase::parse(&candidate.acts) != Phase::Joint {
+            return Err(Misfit::new("acts", "\"joint\" for a robot", quoted(&candidate.acts)));
+        }
+        Ok(Self::at_joints(name, candidate, JointTorque::of_robot(candidate, joints)?))
+    }
+
+    fn at_joints(name: &str, candidate: &Candidate, torque: JointTorque) -> Self {
         let count = candidate.joints.as_ref().map_or(1, Vec::len);
-        Ok(Self::made(name, candidate, count, Acts::Joint(Arc::new(torque))))
+        Self::made(name, candidate, count, Acts::Joint(Arc::new(torque)))
     }
 
     /// A term of a law that is searched: `effect` is its entry, `along` the directions of its components. Nothing where one of
@@ -159,7 +175,7 @@ fn quoted(text: &str) -> String {
 
 fn refuse_key(key: &str, given: bool, of: &str) -> Result<(), Misfit> {
     if given {
-        Err(Misfit::new(key, format!("a key of a ball's or an arm's own; `{key}` is one of {of}"), "it"))
+        Err(Misfit::new(key, format!("a key of this kind of file; `{key}` is one of {of}"), "it"))
     } else {
         Ok(())
     }

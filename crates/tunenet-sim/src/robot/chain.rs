@@ -4,10 +4,12 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use tunenet_core::statistics::dot;
 
+use super::acting::asked;
 use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
 use crate::arm::{CompositeBodies, Model, Recursion};
+use crate::formula_effect::joint::AppliedTorque;
 
 /// The weight and the products of speeds are taken at the middle of a step, whose end is not known at first: so often they are renewed.
 const PASSES: usize = 2;
@@ -19,6 +21,7 @@ const SETTLED: f64 = 1e-13;
 /// The chain and its working memory, which is allocated once: a step takes less time than its allocations would.
 struct Chain<'a> {
     joints: &'a [JointNumbers],
+    formulas: &'a [AppliedTorque],
     weighing: Recursion<'a>,
     composites: CompositeBodies<'a>,
     mass: DMatrix<f64>,
@@ -47,20 +50,20 @@ struct Chain<'a> {
 /// # Errors
 /// Where a joint has no inertia.
 pub(super) fn roll(
-    (joints, model, gravity): (&[JointNumbers], &Model, Vector3<f64>),
+    (joints, model, gravity, formulas): (&[JointNumbers], &Model, Vector3<f64>, &[AppliedTorque]),
     wires: &mut [Wire],
     (q, w): (&[f64], &[f64]),
     out: &mut Trajectory,
 ) -> Result<(), &'static str> {
     let n = joints.len();
-    let mut chain = Chain::new(joints, model, gravity);
+    let mut chain = Chain { formulas, ..Chain::new(joints, model, gravity) };
     let (mut q, mut w) = (q.to_vec(), w.to_vec());
     let mut commands = vec![Command { goal: 0.0, on: 1.0 }; n];
     for k in 0..out.steps() {
         for (command, wire) in commands.iter_mut().zip(&mut *wires) {
             *command = wire.step(out.time(k), out.time(k + 1));
         }
-        chain.step((&q, &w), &commands, out.step_s)?;
+        chain.step((&q, &w), &commands, (out.time(k), out.step_s))?;
         for j in 0..n {
             let after = chain.after[j];
             q[j] += 0.5 * out.step_s * (w[j] + after);
@@ -81,6 +84,7 @@ impl<'a> Chain<'a> {
         let (square, vector, list) = (DMatrix::zeros(n, n), DVector::zeros(n), vec![0.0; n]);
         Self {
             joints,
+            formulas: &[],
             weighing: Recursion::new(model, gravity),
             composites: CompositeBodies::new(model),
             mass: square.clone(),
@@ -100,8 +104,13 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// The speeds after a step from `q` and `w`, and the motors that led there.
-    fn step(&mut self, (q, w): (&[f64], &[f64]), commands: &[Command], dt: f64) -> Result<(), &'static str> {
+    /// The speeds after a step of `dt` from `q` and `w` at the instant `t`, and the motors that led there.
+    fn step(
+        &mut self,
+        (q, w): (&[f64], &[f64]),
+        commands: &[Command],
+        (t, dt): (f64, f64),
+    ) -> Result<(), &'static str> {
         for (j, joint) in self.joints.iter().enumerate() {
             self.measured[j] = q[j] + 0.5 * dt * w[j];
             self.place[j] = self.measured[j] + joint.zero;
@@ -119,14 +128,15 @@ impl<'a> Chain<'a> {
             let mut renewed = pass == 0;
             for (j, joint) in self.joints.iter().enumerate() {
                 let (place, measured, middle) = (self.place[j], self.measured[j], self.middle[j]);
-                let outside = -self.bias[j] + joint.preload - joint.spring * place;
+                let (needed, rubbing) = asked(self.formulas, j, t + 0.5 * dt, measured, middle);
+                let outside = -self.bias[j] + joint.preload - joint.spring * place - needed;
                 let before = self.motors[j].braking;
                 self.motors[j] = motor(joint, commands[j], measured, middle);
                 let Motor { torque, braking, passive } = self.motors[j];
                 renewed |= braking != before;
                 self.impulse[j] += dt * (torque + outside) - 0.5 * dt * braking * w[j];
                 let carried = outside - (torque - (braking - passive) * middle);
-                let (forward, backward) = joint.friction(middle, carried);
+                let (forward, backward) = joint.friction(middle, carried, rubbing);
                 self.most[j] = (dt * forward, dt * backward);
             }
             if renewed {

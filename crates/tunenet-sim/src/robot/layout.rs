@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 
-use super::effects::RobotEffect;
+use super::acting::Acting;
 use super::numbers::Number;
 use super::trajectory::Quantity;
 
@@ -40,7 +40,7 @@ pub(crate) struct Wiring {
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
     pub roles: Vec<Role>,
-    pub effects: Vec<RobotEffect>,
+    pub effects: Vec<Acting>,
     pub readings: Vec<Reading>,
     pub starts: Vec<Start>,
     pub wiring: Vec<Wiring>,

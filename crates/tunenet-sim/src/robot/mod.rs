@@ -12,6 +12,7 @@
 //! | `friction_cone` | a step of a mass with dry friction, exact where it sticks |
 //! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
 //! | `trajectory` | a rollout on its grid, and how it is read |
+//! | `acting` | effects of the catalogue, and formulas of a user |
 //! | `layout` | what parameters, channels and inputs mean |
 //! | `limits` | positions and commands against the limits of the model: another unit, stops, clipped commands |
 //! | `rig` | the chain with its loads |
@@ -25,6 +26,7 @@
 //!
 //! A joint between the stops of its model moves freely; stops are not simulated.
 
+mod acting;
 mod chain;
 pub mod effects;
 mod examine;
@@ -49,6 +51,7 @@ mod wiring;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use acting::Acting;
 pub use examine::rare_samples;
 pub use model::RobotModel;
 pub(crate) use model::driven_joints;

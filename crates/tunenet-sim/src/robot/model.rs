@@ -18,7 +18,7 @@ const MOST_STEPS: f64 = 5e7;
 #[derive(Debug, Clone)]
 pub struct RobotModel {
     rigs: Vec<Rig>,
-    layout: Layout,
+    pub(super) layout: Layout,
 }
 
 impl RobotModel {
@@ -30,8 +30,7 @@ impl RobotModel {
         let mut imperfect = Imperfect::none(joints);
         let mut rest = coefficients;
         for effect in &self.layout.effects {
-            let count = effect.numbers(joints) * effect.coefficients.len();
-            let (own, others) = rest.split_at(count.min(rest.len()));
+            let (own, others) = rest.split_at(effect.numbers(joints).min(rest.len()));
             effect.apply(&mut imperfect, own);
             rest = others;
         }
@@ -125,21 +124,22 @@ impl Rollouts for RobotModel {
             Wire::new(joint, of(wiring.command), of(wiring.enable), run.recording.start_s)
         };
         let mut wires: Vec<Wire> = joints.iter().zip(&self.layout.wiring).map(wire).collect();
+        let formulas = imperfect.arm.formulas.as_slice();
         let elastic = joints.iter().any(|joint| joint.gap > 0.0 || joint.compliance > 0.0);
         match (joints.as_slice(), rig.load(&imperfect)) {
             ([joint], Some(load)) if elastic => {
-                two_masses::roll(joint, &load, &mut wires[0], (q[0], w[0]), &mut out)?;
+                two_masses::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out)?;
             }
             ([joint], Some(load)) => {
                 if load.inertia + joint.armature <= 0.0 {
                     return Err("the joint has no inertia: its armature or its link needs some".into());
                 }
-                one_joint::roll(joint, &load, &mut wires[0], (q[0], w[0]), &mut out);
+                one_joint::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out);
             }
             _ if elastic => return Err("backlash and elasticity are simulated at a single joint only".into()),
             _ => {
                 let (world, gravity) = rig.world(&imperfect);
-                chain::roll((&joints, &world, gravity), &mut wires, (&q, &w), &mut out)?;
+                chain::roll((&joints, &world, gravity, formulas), &mut wires, (&q, &w), &mut out)?;
             }
         }
         let readout = Readout { delay_s: imperfect.reading_delay_s, latch_s: imperfect.latch_s };

@@ -211,10 +211,11 @@ impl JointNumbers {
         Motor { torque, braking: braking + passive, passive }
     }
 
-    /// The greatest friction in the direction of positive speed and of negative speed, where the gear carries this torque.
+    /// The greatest friction in the direction of positive speed and of negative speed, where the gear carries this torque and formulas add
+    /// this much.
     #[inline]
-    pub(super) fn friction(&self, speed: f64, carried: f64) -> (f64, f64) {
-        let mut level = self.coulomb + self.load_friction * carried.abs();
+    pub(super) fn friction(&self, speed: f64, carried: f64, added: f64) -> (f64, f64) {
+        let mut level = self.coulomb + added + self.load_friction * carried.abs();
         if self.stribeck != 0.0 {
             level += self.stribeck * (-(speed / self.stribeck_speed).powi(2)).exp();
         }
@@ -283,7 +284,7 @@ mod tests {
     fn friction_differs_by_direction_and_grows_with_the_load() {
         let joint =
             JointNumbers { coulomb: 0.2, directional: 0.05, load_friction: 0.1, ..JointNumbers::free(Drive::Torque) };
-        let (forward, backward) = joint.friction(0.0, -2.0);
+        let (forward, backward) = joint.friction(0.0, -2.0, 0.0);
         assert!((forward - 0.45).abs() < 1e-15 && (backward - 0.35).abs() < 1e-15);
     }
 

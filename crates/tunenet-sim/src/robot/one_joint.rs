@@ -12,10 +12,12 @@
 //! Damping by the duty of the firmware is part of D while the duty is not limited, so that the answer is continuous where a limit
 //! begins to act.
 
+use super::acting::asked;
 use super::friction_cone::speed_after;
 use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
+use crate::formula_effect::joint::AppliedTorque;
 
 /// A rigid load behind one joint: its inertia is constant and its weight a sine of the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,8 +56,10 @@ pub(super) struct Step<'a> {
     pub mass: f64,
     /// Momentum besides that of the motor, the friction and damping.
     pub momentum: f64,
-    /// Torque of weight and springs, for friction by load.
+    /// Torque of weight, springs and formulas, for friction by load.
     pub outside: f64,
+    /// Friction of formulas.
+    pub rubbing: f64,
     pub speed: f64,
     pub step_s: f64,
 }
@@ -70,7 +74,7 @@ impl Step<'_> {
         } else {
             self.outside - (motor.torque - (motor.braking - motor.passive) * self.speed)
         };
-        let (forward, backward) = joint.friction(self.speed, carried);
+        let (forward, backward) = joint.friction(self.speed, carried, self.rubbing);
         speed_after(impulse, self.mass + 0.5 * dt * motor.braking, (dt * forward, dt * backward))
     }
 
@@ -98,18 +102,36 @@ impl Step<'_> {
     }
 }
 
+/// The speed at the middle of a step that formulas depend on is not known at first: they are taken so often, and once without any.
+pub(super) const PASSES: usize = 2;
+
 /// Rolls the joint out from position `q` and speed `w` over the grid of `out`.
-pub(super) fn roll(joint: &JointNumbers, load: &Load, wire: &mut Wire, (q, w): (f64, f64), out: &mut Trajectory) {
+pub(super) fn roll(
+    (joint, load, formulas): (&JointNumbers, &Load, &[AppliedTorque]),
+    wire: &mut Wire,
+    (q, w): (f64, f64),
+    out: &mut Trajectory,
+) {
+    let passes = if formulas.is_empty() { 1 } else { PASSES };
     let dt = out.step_s;
     let inertia = load.inertia + joint.armature;
     let (mut q, mut w) = (q, w);
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let outside = outside(joint, load, middle);
-        let momentum = inertia * w + dt * outside;
-        let step = Step { joint, mass: inertia, momentum, outside, speed: w, step_s: dt };
-        let (after, motor) = step.driven(command, joint.demand(command.goal, middle));
+        let weight = outside(joint, load, middle);
+        let demand = joint.demand(command.goal, middle);
+        let advance = |speed: f64| {
+            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed);
+            let outside = weight - torque;
+            let momentum = inertia * w + dt * outside;
+            let step = Step { joint, mass: inertia, momentum, outside, rubbing, speed: w, step_s: dt };
+            step.driven(command, demand)
+        };
+        let (mut after, mut motor) = advance(w);
+        for _ in 1..passes {
+            (after, motor) = advance(0.5 * (w + after));
+        }
         q += 0.5 * dt * (w + after);
         if out.holds_torques() {
             out.torque(k, 0, motor.torque - (motor.braking - motor.passive) * 0.5 * (w + after));

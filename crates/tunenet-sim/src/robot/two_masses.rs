@@ -3,10 +3,12 @@
 //! spring, as the contacts of a gap in a stiff gear, goes over to the implicit Euler rule, which damps what oscillates faster than the
 //! step: undamped, it would shake the motor loose from its dry friction.
 
+use super::acting::asked;
 use super::numbers::JointNumbers;
-use super::one_joint::{Load, Step, outside};
+use super::one_joint::{Load, PASSES, Step, outside};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
+use crate::formula_effect::joint::AppliedTorque;
 
 /// Stiffness of a gear whose compliance is not stated, N·m/rad: far above what encoders resolve, and stable at steps of 1 ms.
 const STIFF: f64 = 3000.0;
@@ -26,13 +28,13 @@ fn acting(stiffness: f64, (motor, link): (f64, f64), step_s: f64) -> f64 {
     MIDPOINT + (EULER - MIDPOINT) * beyond
 }
 
-/// Rolls out from position `q` and speed `w` of the link over the grid of `out`; the encoder is on the link.
+/// Rolls out from position `q` and speed `w` of the link over the grid of `out`; the encoder is on the link. Formulas act on the link, their
+/// friction on the motor.
 ///
 /// # Errors
 /// Where motor or link has no inertia.
 pub(super) fn roll(
-    joint: &JointNumbers,
-    load: &Load,
+    (joint, load, formulas): (&JointNumbers, &Load, &[AppliedTorque]),
     wire: &mut Wire,
     (q, w): (f64, f64),
     out: &mut Trajectory,
@@ -41,6 +43,7 @@ pub(super) fn roll(
         return Err("backlash and elasticity need an armature and a link with inertia");
     }
     let dt = out.step_s;
+    let passes = if formulas.is_empty() { 1 } else { PASSES };
     let (stiffness, acting) = if joint.compliance > 0.0 {
         let stiffness = joint.compliance.recip();
         (stiffness, acting(stiffness, (joint.armature, load.inertia), dt))
@@ -54,7 +57,7 @@ pub(super) fn roll(
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let outside = outside(joint, load, middle);
+        let weight = outside(joint, load, middle);
         let ahead = twist + dt * (motor_speed - w);
         let touching = ahead.abs() > 0.5 * joint.gap;
         // Impulse of the spring: pressed + coupled · (motor speed − link speed) after the step.
@@ -64,18 +67,28 @@ pub(super) fn roll(
         } else {
             0.0
         };
-        let link = load.inertia * w + dt * outside;
         let shared = coupled / (load.inertia + coupled);
-        let step = Step {
-            joint,
-            mass: joint.armature + coupled - coupled * shared,
-            momentum: joint.armature * motor_speed - pressed + shared * (link + pressed),
-            outside,
-            speed: motor_speed,
-            step_s: dt,
+        let demand = joint.demand(command.goal, middle);
+        let advance = |speed: f64| {
+            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed);
+            let outside = weight - torque;
+            let link = load.inertia * w + dt * outside;
+            let step = Step {
+                joint,
+                mass: joint.armature + coupled - coupled * shared,
+                momentum: joint.armature * motor_speed - pressed + shared * (link + pressed),
+                outside,
+                rubbing,
+                speed: motor_speed,
+                step_s: dt,
+            };
+            let (motor_after, motor) = step.driven(command, demand);
+            ((link + pressed + coupled * motor_after) / (load.inertia + coupled), motor_after, motor)
         };
-        let (motor_after, motor) = step.driven(command, joint.demand(command.goal, middle));
-        let after = (link + pressed + coupled * motor_after) / (load.inertia + coupled);
+        let (mut after, mut motor_after, mut motor) = advance(w);
+        for _ in 1..passes {
+            (after, motor_after, motor) = advance(0.5 * (w + after));
+        }
         q += 0.5 * dt * (w + after);
         twist += 0.5 * dt * (motor_speed + motor_after - w - after);
         if out.holds_torques() {

@@ -3,6 +3,7 @@
 use tunenet_formats::{Error, Result};
 
 use super::SimulationFile;
+use crate::formula_effect::joint::JointOf;
 use crate::formula_effect::{FormulaEffect, Misfit};
 use crate::scene::{Candidate, Candidates, Input, Scene, Start};
 
@@ -73,6 +74,14 @@ impl SimulationFile {
     pub fn joint_formulas(&self, joints: &[String]) -> Result<Vec<FormulaEffect>> {
         let one = |(name, candidate)| {
             FormulaEffect::of_arm(name, candidate, Some(joints)).map_err(|misfit| self.misfit(name, &misfit))
+        };
+        self.candidates().map(one).collect()
+    }
+
+    /// The same of a robot with these joints, each of which turns or slides.
+    pub(crate) fn robot_formulas(&self, joints: &[JointOf]) -> Result<Vec<FormulaEffect>> {
+        let one = |(name, candidate)| {
+            FormulaEffect::of_robot(name, candidate, Some(joints)).map_err(|misfit| self.misfit(name, &misfit))
         };
         self.candidates().map(one).collect()
     }

@@ -269,7 +269,8 @@ fn formulas(root: &Table, declares: Declares) -> Option<Wrong> {
             return Some(wrong(path, Some(item), "a candidate as docs/files.md describes it", found));
         };
         let made = match declares {
-            Declares::Arm | Declares::Robot => FormulaEffect::of_arm(name, &candidate, None),
+            Declares::Arm => FormulaEffect::of_arm(name, &candidate, None),
+            Declares::Robot => FormulaEffect::of_robot(name, &candidate, None),
             _ => FormulaEffect::of_ball(name, &candidate, mass_kg),
         };
         if let Err(misfit) = made {

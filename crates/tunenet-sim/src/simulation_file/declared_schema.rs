@@ -54,7 +54,7 @@ pub const CANDIDATE_KEYS: &[Key] = &[
     key("mistaken_for", Shape::Names, false, "effects that some recordings cannot distinguish from it"),
 ];
 
-/// The further keys of `[candidates.NAME]` in a ball's or an arm's file, where a formula says what it does.
+/// The further keys of `[candidates.NAME]` in the file of a ball, an arm or a robot, where a formula says what it does.
 pub const FORMULA_KEYS: &[Key] = &[
     key("formula", TEXT, true, "what it adds: a formula of the world's variables and its own coefficients"),
     key(
@@ -67,7 +67,7 @@ pub const FORMULA_KEYS: &[Key] = &[
         "gives",
         TEXT,
         false,
-        "what the formula gives: m_s2 or n in flight, restitution at a contact, nm at a joint (default: the first)",
+        "what the formula gives: m_s2 or n in flight, restitution at a contact, nm at a joint, n at one that slides (default: the first)",
     ),
     key(
         "per_direction",
@@ -120,7 +120,7 @@ pub enum Declares {
     Arm,
     /// States, formulas, constants, events, inputs, initial states and candidates of equations.
     Equations,
-    /// Joints, loads, inputs and initial states of a robot.
+    /// Joints, loads, inputs, initial states and candidates of a robot.
     Robot,
 }
 
@@ -132,7 +132,7 @@ impl Declares {
             Self::Equations => {
                 &["states", "derivatives", "outputs", "constants", "inputs", "start", "events", "candidates"]
             }
-            Self::Robot => &["joints", "loads", "inputs", "start"],
+            Self::Robot => &["joints", "loads", "inputs", "start", "candidates"],
             Self::Ball | Self::Arm => &["candidates"],
         }
     }

@@ -42,14 +42,14 @@ impl SimulationFile {
     /// The effects that the file holds, in its order.
     #[must_use]
     pub fn effects(&self) -> Vec<PresentEffect> {
-        if let Ok(present) = self.robot_effects() {
-            let one =
-                |p: PresentRobotEffect| PresentEffect { name: p.effect.name.into(), values: p.values, tune: p.tune };
-            return present.into_iter().map(one).collect();
-        }
+        // Those of a robot's catalogue have a number for each joint.
+        let of_joints = self.robot_effects().unwrap_or_default();
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Vec::new() };
         let each = all.iter().filter_map(|(name, item)| {
             let table = item.as_table_like()?;
+            if let Some(PresentRobotEffect { values, tune, .. }) = of_joints.iter().find(|p| p.effect.name == name) {
+                return Some(PresentEffect { name: name.into(), values: values.clone(), tune: *tune });
+            }
             let value = |key: &str, absent: f64| table.get(key).and_then(item_number).unwrap_or(absent);
             let values = match self.candidate(name) {
                 Some(declared) => {

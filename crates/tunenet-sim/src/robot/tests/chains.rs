@@ -21,8 +21,8 @@ fn a_chain_of_one_joint_is_that_joint() {
     let mut alone = Trajectory::new(0.0, 0.001, 6000, 1, false);
     alone.state(0, 0, 0.1, 0.0);
     let mut among = alone.clone();
-    one_joint::roll(&joint, &rig.load(&none).unwrap(), &mut wire(), (0.1, 0.0), &mut alone);
-    chain::roll((&[joint], &world, down), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
+    one_joint::roll((&joint, &rig.load(&none).unwrap(), &[]), &mut wire(), (0.1, 0.0), &mut alone);
+    chain::roll((&[joint], &world, down, &[]), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
     for t in clock(6.0) {
         let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, Readout::default());
         // The chain takes speeds at the middle of a step where one joint takes those at its beginning.
@@ -39,7 +39,7 @@ fn a_motion_that_is_not_finite_is_called_so() {
     let (goal, on) = (command(|_| 0.0), on_until(4.0));
     let mut wires = [Wire::new(&joint, Some(&goal), Some(&on), 0.0)];
     let mut out = Trajectory::new(0.0, 0.001, 100, 1, false);
-    let failed = chain::roll((&[joint], &world, down), &mut wires, (&[0.1], &[0.0]), &mut out);
+    let failed = chain::roll((&[joint], &world, down, &[]), &mut wires, (&[0.1], &[0.0]), &mut out);
     assert_eq!(failed, Err("the simulated motion is not finite"));
 }
 

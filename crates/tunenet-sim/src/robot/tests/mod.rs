@@ -3,11 +3,13 @@
 mod chains;
 mod closed_forms;
 mod fine_steps;
+mod formulas;
 
 use nalgebra::Vector3;
 use tunenet_core::observation::{Channel, Circumstances, Hold, Input};
 use tunenet_core::simulator::{Model as _, Run};
 
+use super::acting::Acting;
 use super::effects::RobotEffect;
 use super::layout::{Layout, Reading, Start, Wiring};
 use super::model::RobotModel;
@@ -52,7 +54,7 @@ fn robot(model: Model, masses: Vec<Mass>, joints: Vec<JointNumbers>, effects: &[
     let each = |speed: bool| (0..n).map(move |joint| Start { joint, speed });
     let layout = Layout {
         roles: Vec::new(),
-        effects: effects.iter().map(|name| RobotEffect::find(name).unwrap()).collect(),
+        effects: effects.iter().map(|name| Acting::BuiltIn(RobotEffect::find(name).unwrap())).collect(),
         readings: (0..n).map(|joint| Reading { joint, quantity: Quantity::Position, factor: 1.0 }).collect(),
         starts: each(false).chain(each(true)).collect(),
         wiring: (0..n).map(|joint| Wiring { command: Some(joint), enable: Some(n) }).collect(),
