@@ -115,6 +115,8 @@ pub const SERVO_MAE_ALL_RAD: f64 = 0.0125;
 pub const SERVO_NAMES: [&str; 3] = ["speed_limit", "command_delay", "load_friction"];
 pub const SERVO_ROLLOUTS: f64 = 60_000.0;
 pub const SERVO_S: f64 = 20.0;
+/// Rollouts of the servo on one thread, per second.
+pub const SERVO_ROLLOUTS_1_S: f64 = 5_000.0;
 /// ... the drive of EMPS: greatest error of the simulation without feedback, mm, and what is offered first.
 pub const DRIVE_RMS_MM: f64 = 2.9;
 pub const DRIVE_NAME: &str = "directional_friction";

@@ -4,6 +4,7 @@
 mod arm;
 mod drive;
 mod lagged;
+mod rollouts_per_second;
 mod servo;
 mod table;
 

@@ -1,0 +1,48 @@
+//! How fast one thread rolls the servo out that `diagnose` has found.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use tunenet_core::observation::{Channel, Circumstances, Hold, Input};
+use tunenet_core::simulator::Simulator as _;
+use tunenet_core::statistics::median;
+use tunenet_sim::SimulationFile;
+use tunenet_sim::observed_robot::robot;
+
+use super::table::column;
+
+/// Each figure is the median of so many measurements of so many rollouts.
+const REPEATS: usize = 5;
+const ROLLOUTS: usize = 1000;
+
+/// Rollouts per second of a simulation file under the commands of one recording, and how many seconds and samples that has.
+///
+/// # Errors
+/// Where one of both cannot be read.
+pub fn rollouts_per_second(file: &Path, recording: &Path) -> Result<(f64, f64, usize)> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("reading {}", file.display()))?;
+    let simulator = robot(&[&SimulationFile::parse(file, &text)?])?;
+    let clock = column(recording, "t_s")?;
+    let input = |name: &str, unit: &str, hold: Hold| -> Result<Input> {
+        Ok(Input::sampled(Channel::new(name, unit), hold, clock.clone(), column(recording, name)?)?)
+    };
+    let inputs = vec![input("goal_rad", "rad", Hold::Linear)?, input("torque_on", "1", Hold::Previous)?];
+    let start_s = clock.first().copied().unwrap_or_default();
+    let driven = Circumstances { start: vec![0.0, 0.0], start_s, ..Circumstances::driven_by(inputs) };
+    let numbers: Vec<f64> = simulator.parameters().iter().map(|parameter| parameter.value).collect();
+    let mut values = vec![0.0; clock.len()];
+    let mut each = Vec::with_capacity(REPEATS);
+    for _ in 0..REPEATS {
+        let began = Instant::now();
+        for _ in 0..ROLLOUTS {
+            let rolled = simulator.rollout_driven(black_box(&numbers), &[], &driven, &clock, &mut values);
+            rolled.map_err(|error| anyhow::anyhow!("{error}"))?;
+            black_box(&values);
+        }
+        each.push(ROLLOUTS as f64 / began.elapsed().as_secs_f64());
+    }
+    let seconds = clock.last().copied().unwrap_or_default() - start_s;
+    Ok((median(each).unwrap_or(f64::NAN), seconds, clock.len()))
+}
