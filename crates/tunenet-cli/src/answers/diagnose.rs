@@ -170,9 +170,13 @@ impl Answer<'_> {
     }
 
     /// The [choices](Self::choices) in the place of something else, and what is certain in addition to them. Where nothing is left to
-    /// choose from, the effect is open itself: what is in no catalogue could be in its place.
+    /// choose from, the effect is open itself: what is in no catalogue could be in its place. Nothing is certain where a discrepancy remains.
     pub fn open_and_firm(&self) -> (Vec<Vec<&str>>, Vec<&str>) {
-        let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
+        let remains = matches!(self.diagnosis.conclusion.doubt(), Some(Doubt::DiscrepancyRemains));
+        let (mut open, mut firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
+        if remains {
+            open.append(&mut firm);
+        }
         if open.is_empty() { (firm, Vec::new()) } else { (open, firm.into_iter().flatten().collect()) }
     }
 

@@ -199,10 +199,14 @@ pub fn sentence(answer: &Answer) -> String {
 /// What is left to choose from, place by place: `wind, magnus; in addition to quadratic_drag`.
 fn choices(answer: &Answer) -> String {
     let (open, firm) = answer.open_and_firm();
-    let open: Vec<String> = open.iter().map(|names| names.join(", ")).collect();
+    let one = |(i, names): (usize, &Vec<&str>)| {
+        let article = if i > 0 && names.len() > 1 { "one of " } else { "" };
+        format!("{article}{}", names.join(", "))
+    };
+    let open: Vec<String> = open.iter().enumerate().map(one).collect();
     let unknown = if answer.allows_unknown() { format!(", or {NOT_IN_CATALOGUE}") } else { String::new() };
     let certain = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
-    format!("{}{unknown}{certain}", open.join("; and one of "))
+    format!("{}{unknown}{certain}", open.join("; and "))
 }
 
 fn lone(named: &NamedEffect) -> String {

@@ -92,7 +92,7 @@ pub(in crate::diagnose) fn decide(
             None => doubtful(context, selected, confirmed),
         };
         near_any |= !near.is_empty();
-        if near.is_empty() && doubtful {
+        if near.is_empty() && doubtful && !leaves_unknown(context, found, validation.as_ref()) {
             near.extend(runner_up(context, found, selected));
         }
         near.truncate(MOST_ALTERNATIVES);
@@ -140,6 +140,12 @@ fn doubtful(context: &Context, selected: &SelectedEffect, confirmed: bool) -> bo
             && !is_less_plausible(context, *other, selected.entry, *gap)
     };
     !confirmed && (context.evidence.shows_one_motion() || selected.others.iter().any(near))
+}
+
+/// Whether what is open is the remainder that several effects leave of model discrepancy, each of which held-out recordings bear out: that
+/// what explains far less could be in the place of one of them says nothing of it.
+fn leaves_unknown(context: &Context, found: &Selection, validation: Option<&Doubt>) -> bool {
+    context.evidence.discrepancy() && found.selected.len() > 1 && validation == Some(&Doubt::DiscrepancyRemains)
 }
 
 /// The next best in the place of an effect, whatever its distance, that explains anything at all.

@@ -101,7 +101,11 @@ pub fn sentence(answer: &Answer) -> String {
             };
             let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
                 let remains = matches!(doubt, Doubt::DiscrepancyRemains);
-                let how = if remains { "the first fits best" } else { "the first by far" };
+                let how = match (remains, open.len()) {
+                    (true, 1) => "the first fits best",
+                    (true, _) => "the first of each fits best",
+                    (false, _) => "the first by far",
+                };
                 format!("{how}, but {doubt}")
             });
             format!("{}{place}{or_unknown}{certain}: {why}.", capital(&open.join("; and ")))
