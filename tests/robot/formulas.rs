@@ -58,7 +58,11 @@ fn a_formula_that_fits_no_joint_is_refused_with_its_place() {
             "acts = \"joint\"\njoints = [\"elbow\"]",
             "expected joints that turn (\"hinge\"), found \"elbow\"",
         ),
-        ("acts = \"joint\"", "acts = \"joint\"\ngives = \"n\"", "expected a formula in N"),
+        (
+            "acts = \"joint\"",
+            "acts = \"joint\"\ngives = \"n\"",
+            "expected one of q_m, dq_m_s, t_s, c, n, found `q_rad`",
+        ),
     ] {
         folder.write("own.toml", format!("{file}{}", COGGING.replace(from, to)));
         let refused = folder.run("simulate --sim own.toml --out swing.csv").ends(1);

@@ -55,7 +55,7 @@ impl JointTorque {
             return Err(Misfit::new("gives", "\"nm\", the torque that an arm's motion needs more", found));
         }
         let turning: Option<Vec<JointOf>> = joints.map(|all| all.iter().map(|name| (name.as_str(), false)).collect());
-        Self::made(candidate, turning.as_deref(), false)
+        Self::made(candidate, turning.as_deref(), false, "joints of the arm")
     }
 
     /// What acts at the joints of a robot that follows commands: those that turn, or those that slide where it gives a force.
@@ -69,10 +69,10 @@ impl JointTorque {
                 return Err(Misfit::new("gives", expected, format!("\"{}\"", other.escape_debug())));
             }
         };
-        Self::made(candidate, joints, slides)
+        Self::made(candidate, joints, slides, if slides { "joints that slide" } else { "joints that turn" })
     }
 
-    fn made(candidate: &Candidate, joints: Option<&[JointOf]>, slides: bool) -> Result<Self, Misfit> {
+    fn made(candidate: &Candidate, joints: Option<&[JointOf]>, slides: bool, expected: &str) -> Result<Self, Misfit> {
         let along_motion = match candidate.along.as_slice() {
             [] => false,
             [one] if one == "dq" => true,
@@ -91,8 +91,7 @@ impl JointTorque {
         let has = |name: &str| joints.is_none() || known().any(|(own, _)| *own == name);
         if let Some(name) = named.into_iter().flatten().find(|name| !has(name)) {
             let all = known().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
-            let which = if slides { "joints that slide" } else { "joints that turn" };
-            return Err(Misfit::new("joints", format!("{which} ({all})"), format!("\"{name}\"")));
+            return Err(Misfit::new("joints", format!("{expected} ({all})"), format!("\"{name}\"")));
         }
         if joints.is_some() && known().next().is_none() {
             let (which, other) = if slides { ("slides", "\"nm\"") } else { ("turns", "\"n\"") };
