@@ -152,7 +152,10 @@ impl Vocabulary for Domain {
     }
 
     fn unknown(&self, key: &str) -> String {
-        let other = Domain::ALL.into_iter().find(|other| other.find(key).is_some() || other.has_table(key));
+        // Names of effects are a file's own: they belong to no other kind.
+        let own = |other: &Domain| key.starts_with("effects.") && !other.keys().any(|known| known.path == key);
+        let known = |other: &Domain| !own(other) && (other.find(key).is_some() || other.has_table(key));
+        let other = Domain::ALL.into_iter().find(known);
         match other {
             Some(other) => {
                 format!(
