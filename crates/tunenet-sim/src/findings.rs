@@ -90,6 +90,9 @@ finding_kinds! {
     warning ROBOT_GAP = "robot.gap",
         "a recording pauses much longer than between its other samples, and the simulation holds the last commands meanwhile",
         "correct the stamps, or give the parts before and after as recordings of their own";
+    note ROBOT_START = "robot.start",
+        "a joint of a velocity, torque or voltage drive moves from its first samples on: nothing corrects an error of its start",
+        "estimate the start: `[start.JOINT_rad]` with `value = \"first\"` and `sd`, about three times the noise";
     warning ROBOT_STILL = "robot.still",
         "a joint never moves",
         "leave it out of `[joints]`, or record it while it moves";

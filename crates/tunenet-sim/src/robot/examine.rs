@@ -1,7 +1,5 @@
 //! What is wrong with a recording of joints: units, clocks, a joint that stands still, jumps, and a log of what commanded it.
 
-use std::sync::Arc;
-
 use tunenet_core::Result;
 use tunenet_core::observation::{
     Check, Circumstances, Note, Observation, State, lattice_step, noise_sd, with_decimals,
@@ -9,9 +7,10 @@ use tunenet_core::observation::{
 use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 use tunenet_core::statistics::{dot, median, range};
 
-use super::layout::{Layout, Reading};
+use super::layout::{Layout, Reading, goals};
 use super::limits::{another_zero, at_a_stop, beyond_command_range, beyond_limits, many_turns};
 use super::numbers::{JointNumbers, NO_RANGE};
+use super::start;
 use super::step_error::step_error;
 use super::trajectory::Quantity;
 use crate::findings;
@@ -24,14 +23,6 @@ const RARE_S: f64 = 1.0;
 const GAP_S: f64 = 0.5;
 const GAP_PERIODS: f64 = 20.0;
 const WINDOW: usize = 7;
-/// First samples that are so many standard deviations of the noise apart show a motion.
-const MOVES: f64 = 6.0;
-/// The first samples whose median is the start.
-const FIRST: usize = 3;
-/// A command that moves by less than this many standard deviations of the noise has not moved, and a joint whose median moves by less
-/// than so many rests.
-const UNMOVED: f64 = 0.1;
-const RESTING: f64 = 6.0;
 /// Positions that move by less than so many steps of the encoder stand still.
 const STILL_STEPS: f64 = 3.0;
 /// Commands that move more than so many times as far as the joint are in another unit: degrees are 57 times as many.
@@ -101,23 +92,11 @@ pub(super) fn examine(
     let step_s = step_s.max(layout.model_step_s);
     prepared.step_error =
         Some((0..prepared.seen.channels().len()).map(|channel| step_error(&prepared.seen, channel, step_s)).collect());
-    start_at_median(layout, joints, &mut prepared);
+    checks.extend(start::at_median(layout, joints, &mut prepared).into_iter().map(noticed));
     prepared.notes.extend(layout.notes.iter().cloned());
     prepared.notes.extend(checks.iter().filter_map(Check::note));
     prepared.checks.extend(checks);
     Ok(Preparation::Usable(prepared))
-}
-
-/// The goal or the torque of a joint by time, as its motor gets it; `None` where nothing commands the joint.
-fn goals<'a>(
-    layout: &Layout,
-    joints: &'a [JointNumbers],
-    known: &'a Circumstances,
-    joint: usize,
-) -> Option<impl Fn(f64) -> f64 + Copy + 'a> {
-    let command = layout.wiring.get(joint)?.command.and_then(|place| known.inputs.get(place))?;
-    let numbers = joints.get(joint)?;
-    Some(move |time_s: f64| numbers.commanded(command.at(0, time_s)))
 }
 
 /// That a joint has another zero than its model.
@@ -233,44 +212,6 @@ fn encoder_step(values: &[f64]) -> f64 {
 fn noise(seen: &Observation, channel: usize) -> f64 {
     let values: Vec<f64> = seen.column(channel).collect();
     noise_sd(&values).max(encoder_step(&values) / 12f64.sqrt()).max(1e-6)
-}
-
-/// The start is the median of the first samples: a single one may jump.
-fn start_at_median(layout: &Layout, joints: &[JointNumbers], prepared: &mut Prepared) {
-    let Some(known) = prepared.circumstances.as_deref() else { return };
-    let mut known = Circumstances::clone(known);
-    for (place, start) in layout.starts.iter().enumerate().filter(|(_, start)| !start.speed) {
-        let shows = |one: &Reading| one.joint == start.joint && one.quantity == Quantity::Position;
-        let Some(channel) = layout.readings.iter().position(shows) else { continue };
-        let goal = goals(layout, joints, &known, start.joint);
-        let middle = start_position(&prepared.seen, channel, goal, prepared.noise.as_deref());
-        if let (Some(middle), Some(value)) = (middle, known.start.get_mut(place))
-            && *value == prepared.seen.row(0)[channel]
-        {
-            *value = middle;
-        }
-    }
-    prepared.circumstances = Some(Arc::new(known));
-}
-
-/// Where a joint starts. Where it rests: the median of its first samples, or of all before its command first moves, since a start that
-/// is off by the noise stays off until the joint breaks loose. Where it moves at once: its first sample.
-fn start_position(
-    seen: &Observation,
-    channel: usize,
-    goal: Option<impl Fn(f64) -> f64>,
-    noise: Option<&[f64]>,
-) -> Option<f64> {
-    let values: Vec<f64> = seen.column(channel).take(FIRST).collect();
-    // Of a joint that moves from the start, the middle of its first samples is a later place.
-    let (begins, goes) = (*values.first()?, *values.last()?);
-    let moves = noise.is_some_and(|noise| (goes - begins).abs() > MOVES * noise[channel]);
-    let first = if moves { begins } else { median(values)? };
-    let (Some(goal), Some(noise)) = (goal, noise) else { return Some(first) };
-    let Some(begin) = seen.clock().first().map(|time| goal(*time)) else { return Some(first) };
-    let waits = seen.clock().iter().take_while(|time| (goal(**time) - begin).abs() <= UNMOVED * noise[channel]).count();
-    let resting = median(seen.column(channel).take(waits.max(FIRST)))?;
-    Some(if (resting - first).abs() <= RESTING * noise[channel] { resting } else { first })
 }
 
 /// What is wrong with a position, and whether the recording cannot be used.

@@ -1,9 +1,9 @@
 //! What parameters, channels, initial states and inputs of a robot's recordings mean.
 
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Circumstances, Note};
 
 use super::acting::Acting;
-use super::numbers::Number;
+use super::numbers::{JointNumbers, Number};
 use super::trajectory::Quantity;
 
 /// A parameter: which number of which joint.
@@ -56,4 +56,16 @@ pub(crate) struct Layout {
     pub model_step_s: f64,
     /// What is to be said of every recording.
     pub notes: Vec<Note>,
+}
+
+/// The goal or the torque of a joint by time, as its motor gets it; `None` where nothing commands the joint.
+pub(super) fn goals<'a>(
+    layout: &Layout,
+    joints: &'a [JointNumbers],
+    known: &'a Circumstances,
+    joint: usize,
+) -> Option<impl Fn(f64) -> f64 + Copy + 'a> {
+    let command = layout.wiring.get(joint)?.command.and_then(|place| known.inputs.get(place))?;
+    let numbers = joints.get(joint)?;
+    Some(move |time_s: f64| numbers.commanded(command.at(0, time_s)))
 }

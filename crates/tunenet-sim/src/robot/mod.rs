@@ -20,6 +20,7 @@
 //! | `observable_zero` | which joints show where their zero is |
 //! | `stated_gravity` | the gravity of an MJCF |
 //! | `stated_motor` | what an MJCF says of the motors of its joints, and a URDF of their commands |
+//! | `start` | where the joints of a recording start |
 //! | `examine` | what is wrong with a recording |
 //! | [`effects`] | what a driven joint may have beyond its simulation |
 //! | [`RobotModel`] | all of it as rollouts |
@@ -41,6 +42,7 @@ mod observable_zero;
 mod one_joint;
 pub(crate) mod rig;
 mod signal;
+mod start;
 mod stated_gravity;
 mod stated_motor;
 mod step_error;
