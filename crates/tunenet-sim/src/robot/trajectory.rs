@@ -70,12 +70,13 @@ impl Trajectory {
 
     /// What is read at `time_s`.
     pub fn read(&self, time_s: f64, joint: usize, what: Quantity, readout: Readout) -> f64 {
-        let series = match what {
-            Quantity::Position => &self.q,
-            Quantity::Speed => &self.w,
-            Quantity::Torque => &self.torque,
+        // The torque of a step is that at its middle, half a step before the instant with which it stands.
+        let (series, late) = match what {
+            Quantity::Position => (&self.q, 0.0),
+            Quantity::Speed => (&self.w, 0.0),
+            Quantity::Torque => (&self.torque, 0.5 * self.step_s),
         };
-        let end = time_s - readout.delay_s;
+        let end = time_s - readout.delay_s + late;
         if readout.latch_s <= 0.0 {
             return self.value(series, joint, self.place(end));
         }
@@ -123,6 +124,15 @@ mod tests {
         let read =
             |t: f64, delay_s: f64| ramp().read(t, 0, Quantity::Position, Readout { delay_s, ..Readout::default() });
         assert_eq!((read(1.25, 0.0), read(2.0, 0.25), read(1.0, 0.25), read(9.0, 0.0)), (1.0, 3.0, 0.0, 8.0));
+    }
+
+    /// A torque that rises by 4 N·m/s, in steps of 0.5 s, each of which has its middle's.
+    #[test]
+    fn the_torque_of_a_step_is_that_of_its_middle() {
+        let mut rising = Trajectory::new(1.0, 0.5, 4, 1, true);
+        (0..4).for_each(|k| rising.torque(k, 0, 4.0 * 0.5 * (k as f64 + 0.5)));
+        let read = |t: f64| rising.read(t, 0, Quantity::Torque, Readout::default());
+        assert_eq!((read(1.5), read(1.75), read(2.1), read(2.5)), (2.0, 3.0, 4.4, 6.0));
     }
 
     #[test]
