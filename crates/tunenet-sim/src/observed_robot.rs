@@ -105,7 +105,11 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         follows,
         model_step_s: described.as_ref().and_then(|robot| robot.step_s).unwrap_or(0.0),
         limits: model.joints().into_iter().map(limits).collect(),
-        notes: said_of_one_setup(&same_as_parameters).into_iter().chain(said_of_several_joints(&beyond)).collect(),
+        notes: said_of_one_setup(&same_as_parameters)
+            .into_iter()
+            .chain(said_of_several_joints(&beyond))
+            .chain(said_of_formulas(&formulas, file))
+            .collect(),
     };
     let mut rigs = Vec::with_capacity(files.len());
     let mut states = Vec::with_capacity(files.len());
@@ -207,6 +211,13 @@ fn said_of_several_joints(effects: &[&str]) -> Option<Note> {
     let text = format!("the robot has several joints: {} not looked for", are(effects)?);
     let remedy = "to look for them, keep one joint in [joints]; the others are held";
     Some(Note::new(findings::ROBOT_SEVERAL_JOINTS, text, remedy))
+}
+
+/// What a user should know of the formulas that act.
+fn said_of_formulas(formulas: &[FormulaEffect], file: &SimulationFile) -> Vec<Note> {
+    let present = file.effects();
+    let acts = |formula: &&FormulaEffect| present.iter().any(|one| one.name == formula.effect.name);
+    formulas.iter().filter(acts).flat_map(FormulaEffect::notes).collect()
 }
 
 /// `a, b are`; `None` where there are none.

@@ -94,12 +94,12 @@ impl JointTorque {
             return Err(Misfit::new("joints", format!("{expected} ({all})"), format!("\"{name}\"")));
         }
         if joints.is_some() && known().next().is_none() {
-            let (which, other) = if slides { ("slides", "\"nm\"") } else { ("turns", "\"n\"") };
-            return Err(Misfit::new(
-                "gives",
-                other,
-                format!("what acts at a joint that {which}, of which there is none"),
-            ));
+            let (other, found) = if slides {
+                ("\"nm\"", "a force, and no joint of the robot slides")
+            } else {
+                ("\"n\"", "a torque, and no joint of the robot turns")
+            };
+            return Err(Misfit::new("gives", other, found));
         }
         if named.is_some_and(<[String]>::is_empty) {
             return Err(Misfit::new("joints", "at least one", "none"));
@@ -154,6 +154,11 @@ fn sides_of(formula: &Formula) -> Result<(Program, Vec<Surface>), FormulaError> 
     Ok((sided, surfaces))
 }
 
+/// On which side of zero this is; on none at zero.
+fn side_of(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
+}
+
 /// The torque with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedTorque {
@@ -187,7 +192,7 @@ impl AppliedTorque {
             for (into, surface) in sides.iter_mut().zip(&torque.surfaces) {
                 *into = match surface {
                     Surface::Turn => side,
-                    Surface::Zero(program) => program.value(&names).signum(),
+                    Surface::Zero(program) => side_of(program.value(&names)),
                 };
             }
             let value = torque.sided.run(&names, &sides, |_, _| 0.0);
@@ -222,6 +227,25 @@ mod tests {
         let applied = AppliedTorque::new(&torque, &[2.0, 3.0]);
         let at = |j: usize| applied.torque(j, 0.0, std::f64::consts::FRAC_PI_2, 0.0);
         assert_eq!((at(0), at(1), at(2)), (3.0, 2.0, 0.0));
+    }
+
+    /// q = 0.5 rad, 2 rad/s: what turns with the motion has both signs, what turns with the position that of the position, 0 at 0.
+    #[test]
+    fn a_jump_has_both_sides_where_the_motion_turns_and_one_elsewhere() {
+        let of = |formula: &str, more: &str| {
+            let text = format!(
+                "sentence = \"s\"\nacts = \"joint\"\nformula = \"{formula}\"\n{more}\n\
+                 coefficients.k = {{ unit = \"N·m\", absent = 0.0, min = -5.0, max = 5.0 }}\n"
+            );
+            let torque = JointTorque::of_robot(&candidate(&text), Some(&[("a", false)])).unwrap();
+            let applied = AppliedTorque::new(&Arc::new(torque), &[3.0]);
+            move |q: f64| applied.sides(0, 0.0, q, 2.0)
+        };
+        assert_eq!(of("k*sign(dq_rad_s)", "")(0.5), (3.0, -3.0));
+        assert_eq!(of("k*(sign(dq_rad_s) + sign(q_rad))", "")(0.5), (6.0, 0.0));
+        assert_eq!(of("k*sign(q_rad)", "")(0.0), (0.0, 0.0));
+        assert_eq!(of("k*sign(q_rad)", "along = [\"dq\"]")(-0.5), (-3.0, 3.0));
+        assert_eq!(of("k*cos(0*q_rad)", "along = [\"dq\"]")(0.5), (3.0, -3.0));
     }
 
     #[test]
