@@ -109,6 +109,17 @@ pub fn why(reason: Reason) -> &'static str {
     }
 }
 
+/// Why a search has no law, or not one alone: of a law that passes every test, what another one fails.
+pub fn why_not(answer: &law::Answer) -> Option<String> {
+    let reason = answer.reason?;
+    let of_another = matches!(reason, Reason::HeldOut | Reason::ResidualForce | Reason::Heterogeneity | Reason::Time);
+    Some(if of_another && !answer.members.is_empty() {
+        format!("it passes every test, and a law that explains the fitted recordings better does not ({})", why(reason))
+    } else {
+        why(reason).to_owned()
+    })
+}
+
 /// A law that equals an effect of the catalogue, in words: `quadratic drag, exponent 1.96 ± 0.05`.
 pub fn alias(member: &Member) -> Option<String> {
     let name = member.alias?.replace('_', " ");

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value as Json, json};
 use tunenet_core::law::{FoundTerm, Member, Number};
 
-use crate::answers::law::{Law, alias, why};
+use crate::answers::law::{Law, alias, why_not};
 
 /// The key `law` of the answer.
 pub fn object(law: &Law) -> Json {
@@ -23,7 +23,7 @@ pub fn object(law: &Law) -> Json {
     json!({
         "verdict": answer.verdict,
         "reason": answer.reason,
-        "why": answer.reason.map(why),
+        "why": why_not(answer),
         "members": answer.members.iter().map(member).collect::<Vec<_>>(),
         "refused": refused,
         "base_residual_force_nats": answer.base_force_nats,

@@ -5,7 +5,7 @@ use tunenet_core::law::{MOST_FORCE_NATS, Member, Reason, Verdict};
 use super::fitted::{gap_line, parameter};
 use super::rounded;
 use crate::answers::diagnose::Answer;
-use crate::answers::law::{Law, alias, cautions, why};
+use crate::answers::law::{Law, alias, cautions, why, why_not};
 use crate::view::answer::Printout;
 use crate::view::sentence::Headline;
 
@@ -19,7 +19,7 @@ pub fn headline(answer: &Answer) -> Option<Headline> {
             let known = answer.rivals().join(" and ");
             ("ONE OF", format!("{known}; or {}: {}", texts.join("; or "), why(Reason::Catalogue)))
         }
-        (_, Some(reason)) => ("ONE OF", format!("{}: {}", texts.join("; or "), why(reason))),
+        (_, Some(_)) => ("ONE OF", format!("{}: {}", texts.join("; or "), why_not(&found.answer).unwrap_or_default())),
         (_, None) => ("ONE OF", texts.join("; or ")),
     };
     Some(Headline { word, sentence })

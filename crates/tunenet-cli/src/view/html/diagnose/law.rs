@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use tunenet_core::law::{MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member};
 
 use crate::answers::diagnose::Answer;
-use crate::answers::law::{Law, alias, cautions, why};
+use crate::answers::law::{Law, alias, cautions, why, why_not};
 use crate::view::html::axis::Axis;
 use crate::view::html::svg::{Anchor, Svg};
 use crate::view::html::verdict::{capital, signed};
@@ -31,7 +31,7 @@ fn content(answer: &Answer, law: &Law) -> Markup {
     };
     let decides = law.decides(answer.diagnosis.verdict()).is_some();
     html! {
-        @if let Some(reason) = found.answer.reason { p { (capital(why(reason))) "." } }
+        @if let Some(reason) = why_not(&found.answer) { p { (capital(&reason)) "." } }
         @if !decides && found.answer.reason.is_none() { p { "Nothing is left that a law could explain." } }
         @for member in &found.answer.members {
             h3 { code { (member.text()) } @if let Some(alias) = alias(member) { " \u{b7} " (alias) } }

@@ -154,7 +154,7 @@ fn evidence(answer: &Answer) -> Markup {
             (candidates::table(answer))
         }
         @if let Some(gap) = &diagnosis.gap {
-            h2 { "Gap before and after" }
+            h2 { "Gap before and after" @if answer.found().is_some() { ", without the law" } }
             div.grid {
                 figure { figcaption.above { "All recordings" } (pairs(&totals(answer), Some((gap.noise_floor, "noise floor")), "gap before and after")) }
                 @let held = held_out(diagnosis);
@@ -247,7 +247,7 @@ fn numbers(answer: &Answer) -> Markup {
             (numbers::parameters(answer))
         }
         @if !diagnosis.adequacy.is_empty() {
-            h2 { "Residual diagnostics" }
+            h2 { "Residual diagnostics" @if answer.found().is_some() { " without the law" } }
             (numbers::adequacy(&diagnosis.adequacy))
             @if differs(diagnosis) {
                 p { "Residuals with the effect, on their own scale:" }

@@ -76,7 +76,8 @@ pub fn in_short(answer: &Answer) -> Vec<String> {
         let object = answer.object(row.value).filter(|_| objects.len() > 1);
         line(&format!("{} {}", row.named.effect.name, row.key), object, row.value, row.unit)
     });
-    let parameters = answer.diagnosis.parameters.iter().map(|tuned| {
+    let tuned = answer.parameters();
+    let parameters = tuned.iter().map(|tuned| {
         let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
         let object = objects.get(tuned.object).filter(|_| objects.len() > 1).map(|o| o.name.as_str());
         line(&tuned.name, object, &value, &tuned.unit)
@@ -146,11 +147,14 @@ fn chance(probability: f64) -> String {
 }
 
 pub fn parameters(answer: &Answer) -> Markup {
-    let own: Vec<_> = answer.diagnosis.parameters.iter().filter(|p| !p.name.contains('.')).collect();
+    // With a law these are what was tuned together with it.
+    let all = answer.parameters();
+    let own: Vec<_> = all.iter().filter(|p| !p.name.contains('.')).collect();
+    let without = if answer.found().is_some() { "tuned without the law" } else { "tuned without effects" };
     html! {
         @if !own.is_empty() {
             table {
-                (heads(answer, "parameter", &["given", "tuned without effects", "now", "95 % interval"]))
+                (heads(answer, "parameter", &["given", without, "now", "95 % interval"]))
                 tbody {
                     @for p in own {
                         @let of = |v: f64| value_and_interval(&Value { object: None, value: v, interval95: p.interval95 });
@@ -158,7 +162,7 @@ pub fn parameters(answer: &Answer) -> Markup {
                             th scope="row" { (p.name) }
                             (of_object(answer, Some(p.object)))
                             td data-name="given" { (number(p.given)) }
-                            td data-name="tuned without effects" { (of(p.before).0) }
+                            td data-name=(without) { (of(p.before).0) }
                             td data-name="now" { span.value { (of(p.value).0) (unit(&p.unit)) } }
                             td.number data-name="95 % interval" { (of(p.value).1) }
                         }
