@@ -231,7 +231,7 @@ mod tests {
 
     /// q = 0.5 rad, 2 rad/s: what turns with the motion has both signs, what turns with the position that of the position, 0 at 0.
     #[test]
-    fn a_jump_has_both_sides_where_the_motion_turns_and_one_elsewhere() {
+    fn a_jump_has_both_sides_only_where_the_motion_turns() {
         let of = |formula: &str, more: &str| {
             let text = format!(
                 "sentence = \"s\"\nacts = \"joint\"\nformula = \"{formula}\"\n{more}\n\
