@@ -128,8 +128,8 @@ pub(super) fn roll(
             let step = Step { joint, mass: inertia, momentum, outside, rubbing, speed: w, step_s: dt };
             step.driven(command, demand)
         };
-        let (mut after, mut motor) = advance(w);
-        for _ in 1..passes {
+        let (mut after, mut motor) = (w, Motor { torque: 0.0, braking: 0.0, passive: 0.0 });
+        for _ in 0..passes {
             (after, motor) = advance(0.5 * (w + after));
         }
         q += 0.5 * dt * (w + after);

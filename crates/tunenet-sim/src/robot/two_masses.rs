@@ -4,7 +4,7 @@
 //! step: undamped, it would shake the motor loose from its dry friction.
 
 use super::acting::asked;
-use super::numbers::JointNumbers;
+use super::numbers::{JointNumbers, Motor};
 use super::one_joint::{Load, PASSES, Step, outside};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
@@ -85,8 +85,8 @@ pub(super) fn roll(
             let (motor_after, motor) = step.driven(command, demand);
             ((link + pressed + coupled * motor_after) / (load.inertia + coupled), motor_after, motor)
         };
-        let (mut after, mut motor_after, mut motor) = advance(w);
-        for _ in 1..passes {
+        let (mut after, mut motor_after, mut motor) = (w, 0.0, Motor { torque: 0.0, braking: 0.0, passive: 0.0 });
+        for _ in 0..passes {
             (after, motor_after, motor) = advance(0.5 * (w + after));
         }
         q += 0.5 * dt * (w + after);
