@@ -64,14 +64,13 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         shown.line(&format!("  law refused: {} ({})", refused.text, why(refused.gate)));
     }
     if !decides {
-        let said = match (found.answer.verdict, found.answer.reason) {
-            (Verdict::None, _) => "nothing is left that a law could explain".to_owned(),
-            (Verdict::Named, _) => match members.first().and_then(alias) {
+        let said = match found.answer.verdict {
+            Verdict::None => "nothing is left that a law could explain".to_owned(),
+            Verdict::Named => match members.first().and_then(alias) {
                 Some(alias) => format!("the law is an effect of the catalogue: {alias}"),
                 None => "the effect of the catalogue explains the recordings as well as any law".to_owned(),
             },
-            (_, Some(reason)) => why(reason).to_owned(),
-            (_, None) => "no law was found".to_owned(),
+            _ => why_not(&found.answer).unwrap_or_else(|| "no law was found".to_owned()),
         };
         shown.line(&format!("  law: {said}"));
     }
