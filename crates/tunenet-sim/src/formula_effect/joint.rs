@@ -187,13 +187,16 @@ impl AppliedTorque {
             let value = torque.formula.program().value(&names);
             return (value, if torque.along_motion { -value } else { value });
         }
-        let of = |side: f64| {
-            let mut sides = [0.0; MOST_SURFACES];
-            for (into, surface) in sides.iter_mut().zip(&torque.surfaces) {
-                *into = match surface {
-                    Surface::Turn => side,
-                    Surface::Zero(program) => side_of(program.value(&names)),
-                };
+        let (mut sides, mut turn) = ([0.0; MOST_SURFACES], None);
+        for (i, surface) in torque.surfaces.iter().enumerate() {
+            match surface {
+                Surface::Turn => turn = Some(i),
+                Surface::Zero(program) => sides[i] = side_of(program.value(&names)),
+            }
+        }
+        let mut of = |side: f64| {
+            if let Some(i) = turn {
+                sides[i] = side;
             }
             let value = torque.sided.run(&names, &sides, |_, _| 0.0);
             if torque.along_motion { side * value } else { value }
