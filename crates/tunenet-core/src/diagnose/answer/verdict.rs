@@ -142,8 +142,8 @@ fn doubtful(context: &Context, selected: &SelectedEffect, confirmed: bool) -> bo
     !confirmed && (context.evidence.shows_one_motion() || selected.others.iter().any(near))
 }
 
-/// Whether what is open is the remainder that several effects leave of model discrepancy, each of which held-out recordings bear out: that
-/// what explains far less could be in the place of one of them says nothing of it.
+/// Whether what is open is the remainder that several effects leave of model discrepancy: that what explains far less could be in the place
+/// of one of them says nothing of it.
 fn leaves_unknown(context: &Context, found: &Selection, validation: Option<&Doubt>) -> bool {
     context.evidence.discrepancy() && found.selected.len() > 1 && validation == Some(&Doubt::DiscrepancyRemains)
 }
