@@ -117,3 +117,24 @@ fn a_limit_on_rollouts_and_a_search_for_a_law_exclude_each_other() {
         assert!(said.contains("--law"), "{said}");
     }
 }
+
+/// A jet of air in a band of heights, declared in the file: a fit of it from typical values ends in another minimum, and the law that
+/// is found is this candidate.
+#[test]
+fn a_law_that_is_a_declared_jet_bears_its_name() {
+    let jet = |x: [f64; 3]| 1.2 * (-((x[2] - 1.1) / 0.22).powi(2)).exp();
+    let folder = recorded(|_, _, x, _| [jet(x), 0.0, -9.81]);
+    let candidate = "[candidates.jet]\nsentence = \"a jet of air blows along x\"\nacts = \"flight\"\nalong = [\"x\"]\n\
+                     formula = \"a * exp(-((z_m - h)/w)^2)\"\n\
+                     coefficients.a = { unit = \"m/s²\", absent = 0.0, min = -5.0, max = 5.0 }\n\
+                     coefficients.h = { unit = \"m\", min = 0.0, max = 3.0 }\n\
+                     coefficients.w = { unit = \"m\", min = 0.02, max = 3.0 }\n";
+    folder.write("ball.toml", format!("{BALL}{candidate}"));
+    let json = folder.run(LINE).ends(0).json();
+    assert_eq!(
+        (json["verdict"].as_str(), json["effects"][0]["name"].as_str()),
+        (Some("named"), Some("jet")),
+        "{json:#}"
+    );
+    assert!(folder.text("improved.toml").contains("[effects.jet]"), "{json:#}");
+}

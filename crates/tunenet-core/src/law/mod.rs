@@ -85,6 +85,15 @@ const MOST_JUDGED: usize = 16;
 const ROLLOUTS: usize = 3_100;
 const SEARCH_SHARE: f64 = 0.85;
 
+/// An effect of the catalogue that a diagnosis named.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// Its name.
+    pub name: String,
+    /// The values of its coefficients, in their order: a fit begins there.
+    pub values: Vec<f64>,
+}
+
 /// How to search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -92,8 +101,8 @@ pub struct Settings {
     pub margin: f64,
     /// Most rollouts; by default in proportion to the recordings.
     pub rollouts: Option<usize>,
-    /// Effects of the catalogue that compete: those that a diagnosis named.
-    pub rival: Vec<String>,
+    /// Effects of the catalogue that compete: those that a diagnosis named, together.
+    pub rival: Vec<Named>,
     /// Whether effects of the measurement, which no law can be compared with, explain the recordings as well.
     pub measured: bool,
 }
@@ -136,8 +145,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         return Ok(none(Verdict::None, None));
     }
     let (laws, around) = explore(&mut session, base, settings.margin);
-    let rival: Vec<&str> = settings.rival.iter().map(String::as_str).collect();
-    let rival = if rival.is_empty() { None } else { session.rival(&rival) };
+    let rival = if settings.rival.is_empty() { None } else { session.rival(&settings.rival) };
     let rival_bic_gain = rival.as_ref().map(|rival| rival.bic);
     if laws.first().is_none_or(|best| best.score <= settings.margin) {
         let reason =

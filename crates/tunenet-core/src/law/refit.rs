@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::Named;
 use super::price;
 use super::response::Response;
 use super::space::{Carried, Host, Visiting};
@@ -10,7 +11,7 @@ use crate::Result;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog, free};
-use crate::simulator::{Prepared, Simulator};
+use crate::simulator::{Parameter, Prepared, Simulator};
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
 const REACH: f64 = 40.0;
@@ -226,21 +227,23 @@ impl<'a> Session<'a> {
         law.bic + price::numbers(self.count, &law.terms)
     }
 
-    /// What effects of the catalogue leave of the same recordings.
-    pub fn rival(&self, names: &[&str]) -> Option<Rival> {
+    /// What effects of the catalogue leave of the same recordings, fitted from what a diagnosis found, or from typical values where their
+    /// number is another.
+    pub fn rival(&self, named: &[Named]) -> Option<Rival> {
         let base = self.host.carrying(&[]).ok()?;
-        let simulator = base.with_effects(names).ok()?;
+        let names: Vec<&str> = named.iter().map(|one| one.name.as_str()).collect();
+        let simulator = base.with_effects(&names).ok()?;
         // The recordings were prepared without these effects and know nothing of their coefficients.
         let known = base.parameters().len();
-        let free: Vec<usize> =
-            free(base.parameters(), self.recordings).into_iter().chain(known..simulator.parameters().len()).collect();
+        let all = simulator.parameters();
+        let free: Vec<usize> = free(base.parameters(), self.recordings).into_iter().chain(known..all.len()).collect();
         let mut start = self.base.point.clone();
-        let more = simulator.parameters().len() - start.parameters.len();
-        let typical = |i: usize| {
-            let p = &simulator.parameters()[i];
-            (p.value + 1e-3 * p.span()).min(p.max)
-        };
-        start.parameters.extend((start.parameters.len()..simulator.parameters().len()).map(typical));
+        let more = all.len() - start.parameters.len();
+        let found: Vec<f64> = named.iter().flat_map(|one| one.values.iter().copied()).collect();
+        let found = if found.len() == more { found.as_slice() } else { &[] };
+        let typical = |p: &Parameter| p.value + 1e-3 * p.span();
+        let at = |(i, p): (usize, &Parameter)| found.get(i).copied().unwrap_or_else(|| typical(p)).clamp(p.min, p.max);
+        start.parameters.extend(all[known..].iter().enumerate().map(at));
         let own = RolloutLog::default();
         let problem = self.problem(simulator.as_ref(), &free, Some(&own));
         let fit = problem.fit(start, 1.0);

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::diagnose::{Diagnosis, Doubt, Verdict};
-use tunenet_core::law::{self, Settings, search};
+use tunenet_core::diagnose::{Diagnosis, Doubt, NamedEffect, Verdict};
+use tunenet_core::law::{self, Named, Settings, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 
 use crate::answers::diagnose::Loaded;
@@ -83,18 +83,23 @@ fn searched(
     if fitted.is_empty() {
         return Ok(Err("no recording can be used for a law"));
     }
-    let known = |name: &&str| base.with_effects(&[*name]).is_ok();
-    let rival: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
-    let competes = rival.iter().all(known);
+    let effects = diagnosis.effects();
+    let competes = effects.iter().all(|one| base.with_effects(&[one.effect.name.as_ref()]).is_ok());
     let measured = !competes && adequate(diagnosis);
     // One answer of the measurement stands; of several, none is certain, and a law may be the better one.
     if measured && diagnosis.verdict() == Verdict::Named {
         return Ok(Err("an effect of the measurement explains the recordings, and a law is a force"));
     }
-    let rival = if competes { rival.into_iter().map(str::to_owned).collect() } else { Vec::new() };
+    let rival = if competes { effects.iter().map(named).collect() } else { Vec::new() };
     let settings = Settings { rival, measured, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();
     Ok(Ok(Found { answer: answer?, parameters: base.parameters().to_vec() }))
+}
+
+/// An effect of a diagnosis of one object, with what was found of it.
+fn named(one: &NamedEffect) -> Named {
+    let values = one.coefficients.iter().flat_map(|fitted| &fitted.values).map(|value| value.value);
+    Named { name: one.effect.name.to_string(), values: values.collect() }
 }
