@@ -47,7 +47,7 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
         format!("[[observation]]\nfile = \"{i}.csv\"\n{held_out}start.dq_rad_s = 0.{i}\n")
     };
     folder.write("runs.toml", (0..5).map(entry).collect::<String>());
-    let line = "diagnose --sim swing.toml --manifest runs.toml --law --out improved.toml --json";
+    let line = "diagnose --sim swing.toml --manifest runs.toml --law --out improved.toml --report law.html --json";
     let json = folder.run(line).json();
     assert!(["law", "one_of"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
     let cubic = |member: &serde_json::Value| {
@@ -59,6 +59,18 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
             && interval[1].as_f64().unwrap() >= 3.0
     };
     assert!(json["law"]["members"].as_array().unwrap().iter().any(cubic), "{json:#}");
+    // What the recordings ask for along the angle is the true force: of at most 10 intervals of 95 % one may miss it.
+    let course = &json["law"]["members"][0]["courses"][0];
+    let bins = course["bins"].as_array().unwrap();
+    let misses = |bin: &&serde_json::Value| {
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let (at, ends) = (number(&bin["estimate"]["at"]), &bin["estimate"]["interval95"]);
+        let true_force = -0.5 * at * at * at;
+        true_force < number(&ends[0]) || number(&ends[1]) < true_force
+    };
+    assert!(bins.len() >= 4 && bins.iter().filter(misses).count() <= 1, "{course:#}");
+    let report = folder.text("law.html");
+    assert!(report.contains("Along dq_rad_s over q_rad") && report.contains("the solid line has the law"), "{line}");
     let improved = folder.text("improved.toml");
     assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]"), "{improved}");
     // Seen between some angles alone: within them nothing is said, beyond them the first instant outside.

@@ -1,8 +1,10 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
+use std::borrow::Cow;
+
 use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{
-    self, Diagnosis, Doubt, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Tuned, Value, Verdict,
+    self, Diagnosis, Doubt, Explained, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Tuned, Value, Verdict,
 };
 use tunenet_core::finding::FindingKind;
 use tunenet_core::findings;
@@ -139,6 +141,14 @@ impl Answer<'_> {
     pub fn gap(&self) -> Option<Gap> {
         let gap = self.diagnosis.gap.as_ref()?;
         Some(self.found().map_or_else(|| gap.clone(), |(found, law)| law::gap(gap, found, law)))
+    }
+
+    /// The recordings as they are followed before and after: with the law, where one is the answer.
+    pub fn explained(&self) -> Cow<'_, [Explained]> {
+        match self.found() {
+            Some((found, _)) => Cow::Owned(law::explained(found)),
+            None => Cow::Borrowed(&self.diagnosis.explained),
+        }
     }
 
     /// The parameters that were tuned: with the law, where one is the answer.

@@ -1,7 +1,7 @@
 //! What a search for a law changes of the answer of `tunenet diagnose`.
 
-use tunenet_core::diagnose::{self, Change, Gap, Tuned};
-use tunenet_core::law::{self, Member, Reason};
+use tunenet_core::diagnose::{self, Change, Explained, Gap, Tuned};
+use tunenet_core::law::{self, Followed, Member, Reason};
 use tunenet_core::simulator::Parameter;
 
 /// A search for a law, or why there was none.
@@ -15,6 +15,8 @@ pub struct Law {
 /// What a search found.
 pub struct Found {
     pub answer: law::Answer,
+    /// The names of the fitted recordings, in their order.
+    pub names: Vec<String>,
     /// The parameters of the simulator in which it was searched.
     pub parameters: Vec<Parameter>,
 }
@@ -43,6 +45,26 @@ pub fn gap(without: &Gap, found: &Found, law: &Member) -> Gap {
         _ => None,
     };
     Gap { after: without.before * after / before, held_out, control: None, forecast: None, ..without.clone() }
+}
+
+/// The fitted recordings, before without the law and after with it.
+pub fn explained(found: &Found) -> Vec<Explained> {
+    let one = |(recording, (followed, name)): (usize, (&Followed, &String))| Explained {
+        recording,
+        object: 0,
+        name: name.clone(),
+        segment: None,
+        held_out: false,
+        seen: followed.seen.clone(),
+        kept: vec![true; followed.with.len()],
+        before: followed.without.clone(),
+        after: followed.with.clone(),
+        noise: followed.noise.clone(),
+        measured_noise: followed.noise.clone(),
+        events: followed.events.clone(),
+        nuisances: followed.nuisances.clone(),
+    };
+    found.answer.followed.iter().zip(&found.names).enumerate().map(one).collect()
 }
 
 /// The parameters of the simulator as they were fitted with a law.

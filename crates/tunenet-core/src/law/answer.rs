@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
+use super::course::Course;
 use super::shape::Role;
 use super::space::Carried;
 use super::term::Term;
+use crate::observation::Observation;
 
 /// Residual force, in nats: odds of twenty to one.
 pub const MOST_FORCE_NATS: f64 = 3.0;
@@ -170,6 +172,8 @@ pub struct Member {
     pub depends_on_time: bool,
     /// Whether rollouts over one and a half times that range stay finite.
     pub bounded: bool,
+    /// Its force along each variable that it uses.
+    pub courses: Vec<Course>,
     /// The parameters of the simulator with it, in its order, and their 95 % intervals.
     pub parameters: Vec<(f64, (f64, f64))>,
 }
@@ -183,6 +187,23 @@ pub struct Refused {
     pub bic_gain: f64,
     /// The test that it failed.
     pub gate: Reason,
+}
+
+/// How a recording was followed without a law and with the best one, the parameters fitted in both.
+#[derive(Debug, Clone)]
+pub struct Followed {
+    /// What was used of it.
+    pub seen: Observation,
+    /// Noise of each channel in its unit.
+    pub noise: Vec<f64>,
+    /// Measured − predicted without a law, in units of the noise, shape `[sample · channel]`.
+    pub without: Vec<f64>,
+    /// The same with the law.
+    pub with: Vec<f64>,
+    /// When something sudden happened, s.
+    pub events: Vec<f64>,
+    /// Its nuisance parameters with the law: name, value, unit.
+    pub nuisances: Vec<(String, f64, String)>,
 }
 
 /// The answer.
@@ -206,6 +227,9 @@ pub struct Answer {
     pub held_out: usize,
     /// Root mean square of the residuals in units of the noise, without a law and with the best.
     pub left: (f64, f64),
+    /// How the fitted recordings were followed, in their order; none without a law.
+    #[serde(skip)]
+    pub followed: Vec<Followed>,
     /// Rollouts in all.
     pub rollouts: usize,
 }

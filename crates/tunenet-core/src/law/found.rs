@@ -1,6 +1,7 @@
 //! A law with its intervals (Wald 1943, wider for the choice of the form) and the range in which it was seen.
 
 use super::answer::{FoundTerm, Gates, Member, Number, Rounded};
+use super::course::courses;
 use super::price;
 use super::refit::{Law, Session};
 use super::response::{Response, ranges};
@@ -80,6 +81,7 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
         valid,
         depends_on_time: law.terms.iter().any(Term::depends_on_time),
         bounded: bounded(session, law, &*simulator),
+        courses: courses(session, response, law),
         parameters: point.parameters[..law.first].iter().enumerate().map(parameter).collect(),
     })
 }

@@ -23,6 +23,7 @@
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `alone` | which laws a law has to surpass before it stands alone |
 //! | `found` | a law with its intervals and the range in which it was seen |
+//! | `course` | its force along each variable, and what the recordings ask for there |
 //! | `answer` | what a search ends with |
 
 mod ahead;
@@ -31,6 +32,7 @@ mod answer;
 mod around;
 mod begin;
 mod between;
+mod course;
 mod early;
 mod evidence;
 mod explore;
@@ -53,9 +55,10 @@ mod term;
 mod tests;
 
 pub use answer::{
-    Answer, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member, Number, Reason, Refused, Rounded,
-    Verdict,
+    Answer, Followed, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member, Number, Reason, Refused,
+    Rounded, Verdict,
 };
+pub use course::{Bin, Course, Sample};
 pub use shape::{Range, Role, Shape};
 pub use space::{Carried, Direction, Host, Nature, Space, Variable, Visit, Visiting};
 pub use term::{Factor, Term};
@@ -139,6 +142,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         rival_refused: false,
         held_out: held_out.len(),
         left: (left, left),
+        followed: Vec::new(),
         rollouts: log.count(),
     };
     if base_force_nats <= MOST_FORCE_NATS {
@@ -223,6 +227,7 @@ fn conclude(
     let members = alone::merged(alone::undecided(session, response, members, settings.margin));
     let same = members.iter().any(|(law, _)| is_known(law));
     let flexible = members.first().is_some_and(|(law, _)| alone::is_flexible(response, law));
+    answer.followed = members.first().map_or_else(Vec::new, |(law, _)| followed(session, law));
     answer.members = members.into_iter().map(|(_, member)| member).collect();
     // ... and where no test refuses one that explains the fitted recordings better: then one of them is not what it seems.
     let ahead_of = |member: &Member| answer.refused.iter().find(|refused| second || refused.bic_gain > member.bic_gain);
@@ -249,6 +254,22 @@ fn conclude(
         _ => (Verdict::OneOf, Some(Reason::Several)),
     };
     Ok(())
+}
+
+/// How the recordings are followed without a law and with this one.
+fn followed(session: &Session, law: &Law) -> Vec<Followed> {
+    let one = |(d, recording): (usize, &Prepared)| {
+        let nuisances = recording.nuisances.iter().zip(&law.fit.point.nuisances[d]);
+        Followed {
+            seen: recording.seen.clone(),
+            noise: session.noise[d].clone(),
+            without: session.base.residuals[d].clone(),
+            with: law.fit.residuals[d].clone(),
+            events: recording.events.clone(),
+            nuisances: nuisances.map(|(p, value)| (p.name.clone(), *value, p.unit.clone())).collect(),
+        }
+    };
+    session.recordings.iter().enumerate().map(one).collect()
 }
 
 fn rms(residuals: &[Vec<f64>]) -> f64 {

@@ -51,6 +51,10 @@ pub(super) struct Column {
 }
 
 impl Column {
+    pub fn coordinates(&self) -> &DVector<f64> {
+        &self.coordinates
+    }
+
     pub fn dot(&self, other: &Self) -> f64 {
         self.coordinates.dot(&other.coordinates) - self.explained.dot(&other.explained)
     }
@@ -206,6 +210,11 @@ impl Response {
     /// How many instants there are.
     pub fn instants(&self) -> usize {
         self.parts.iter().map(|part| part.all.len()).sum()
+    }
+
+    /// The values of a variable at all instants.
+    pub fn variable(&self, variable: usize) -> &[f64] {
+        &self.variables[variable]
     }
 
     /// The values of a factor at all instants.

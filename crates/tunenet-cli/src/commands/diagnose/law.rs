@@ -75,9 +75,15 @@ fn searched(
     };
     let base = host.carrying(&[])?;
     let (mut fitted, mut held_out): (Vec<Prepared>, Vec<Prepared>) = (Vec::new(), Vec::new());
+    let mut names = Vec::new();
     for (recorded, used) in loaded.recorded.iter().zip(&diagnosis.uses) {
         if let (true, Preparation::Usable(prepared)) = (used.used, base.prepare(&recorded.seen)?) {
-            if used.held_out { held_out.push(*prepared) } else { fitted.push(*prepared) }
+            if used.held_out {
+                held_out.push(*prepared);
+            } else {
+                fitted.push(*prepared);
+                names.push(recorded.name.clone());
+            }
         }
     }
     if fitted.is_empty() {
@@ -95,7 +101,7 @@ fn searched(
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();
-    Ok(Ok(Found { answer: answer?, parameters: base.parameters().to_vec() }))
+    Ok(Ok(Found { answer: answer?, names, parameters: base.parameters().to_vec() }))
 }
 
 /// An effect of a diagnosis of one object, with what was found of it.

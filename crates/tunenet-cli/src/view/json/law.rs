@@ -1,7 +1,7 @@
 //! A search for a law as JSON, for programs; docs/law.md lists the keys.
 
 use serde_json::{Map, Value as Json, json};
-use tunenet_core::law::{FoundTerm, Member, Number};
+use tunenet_core::law::{Bin, Course, FoundTerm, Member, Number, Sample};
 
 use crate::answers::law::{Law, alias, why_not};
 
@@ -59,8 +59,23 @@ fn member(member: &Member) -> Json {
         "held_out_differ_p": gates.held_out_differ_p,
         "held_out_nats": gates.held_out_nats,
         "valid": valid,
+        "courses": member.courses.iter().map(course).collect::<Vec<_>>(),
         "depends_on_time": member.depends_on_time,
         "bounded": member.bounded,
+    })
+}
+
+fn course(course: &Course) -> Json {
+    let estimate = |s: &Sample| json!({ "at": s.at, "value": s.value, "interval95": [s.interval95.0, s.interval95.1] });
+    let range = |bin: &Bin| json!({ "range": [bin.range.0, bin.range.1], "estimate": estimate(&bin.estimate) });
+    json!({
+        "component": course.component,
+        "unit": course.unit,
+        "variable": course.variable,
+        "variable_unit": course.variable_unit,
+        "held": course.held.as_ref().map(|(name, value)| json!({ "variable": name, "value": value })),
+        "curve": course.curve.iter().map(estimate).collect::<Vec<_>>(),
+        "bins": course.bins.iter().map(range).collect::<Vec<_>>(),
     })
 }
 

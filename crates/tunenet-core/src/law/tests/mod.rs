@@ -7,7 +7,7 @@ use line::{Line, observed};
 use super::around::Around;
 use super::refit::Session;
 use super::term::{Factor, Term};
-use super::{Settings, Shape, Verdict, search};
+use super::{Sample, Settings, Shape, Verdict, search};
 use crate::estimate::RolloutLog;
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -86,6 +86,27 @@ fn quadratic_resistance_is_found_with_its_exponent_and_its_coefficient() {
         assert!(low <= wanted && wanted <= high, "{low} {wanted} {high}");
     }
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
+}
+
+/// Along the speed both the law's band and what the recordings ask for in each range hold the true force; of 20 intervals of 95 % two may
+/// miss it.
+#[test]
+fn the_course_of_a_law_and_its_recordings_hold_the_true_force() {
+    let u = 12.0;
+    let answer = asked(&|_, v0, t| quadratic(9.8, u, v0, t), 5, &Settings::default());
+    let course = answer.members.iter().flat_map(|m| &m.courses).find(|c| c.variable == "v_m_s").unwrap();
+    let holds = |s: &Sample| {
+        let wanted = -9.8 / (u * u) * s.at * s.at.abs();
+        s.interval95.0 <= wanted && wanted <= s.interval95.1
+    };
+    assert_eq!((course.unit.as_str(), course.held.is_none()), ("m/s²", true));
+    assert!(course.bins.len() >= 4, "{course:?}");
+    let missed = course.bins.iter().filter(|bin| !holds(&bin.estimate)).count();
+    assert!(missed <= 2, "{course:?}");
+    assert!(course.curve.iter().filter(|s| holds(s)).count() >= 70, "{course:?}");
+    // Neighbouring ranges touch, and each holds its value.
+    assert!(course.bins.windows(2).all(|pair| pair[0].range.1 == pair[1].range.0), "{course:?}");
+    assert!(course.bins.iter().all(|b| b.range.0 <= b.estimate.at && b.estimate.at <= b.range.1), "{course:?}");
 }
 
 /// Differences of 120 values show a noise to 14 %: a third less is chance, less than half is another noise.

@@ -3,17 +3,11 @@
 use maud::{Markup, html};
 use tunenet_core::law::{MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member};
 
+use super::course::courses;
 use crate::answers::diagnose::Answer;
 use crate::answers::law::{Law, alias, cautions, why, why_not};
-use crate::view::html::axis::Axis;
-use crate::view::html::svg::{Anchor, Svg};
 use crate::view::html::verdict::{capital, signed};
 use crate::view::text::rounded;
-
-/// Points of a course.
-const POINTS: u8 = 80;
-const WIDTH: f64 = 420.0;
-const HEIGHT: f64 = 200.0;
 
 /// The section, where a law was searched.
 pub fn section(answer: &Answer) -> Markup {
@@ -36,7 +30,7 @@ fn content(answer: &Answer, law: &Law) -> Markup {
         @for member in &found.answer.members {
             h3 { code { (member.text()) } @if let Some(alias) = alias(member) { " \u{b7} " (alias) } }
             (numbers(member))
-            (course(member))
+            (courses(member, &found.answer.members))
             (tests(member))
             @for caution in cautions(member) { p { (capital(&caution)) "." } }
         }
@@ -99,44 +93,4 @@ fn tests(member: &Member) -> Markup {
             }
         }
     }
-}
-
-/// The acceleration along the variable of a law of one factor, with the band of its coefficient.
-fn course(member: &Member) -> Markup {
-    let [term] = member.terms.as_slice() else { return html! {} };
-    let ([factor], [(_, name)], [(_, (low, high))]) =
-        (term.term.factors.as_slice(), term.variables.as_slice(), member.valid.as_slice())
-    else {
-        return html! {};
-    };
-    let values: Vec<f64> = term.numbers.iter().map(|n| n.value).collect();
-    let product = |x: f64| {
-        let mut variables = vec![0.0; factor.variable + 1];
-        variables[factor.variable] = x;
-        let sides: Vec<f64> = variables.iter().map(|v: &f64| v.signum()).collect();
-        term.term.product(&values, &variables, &sides)
-    };
-    let xs: Vec<f64> = (0..=POINTS).map(|i| low + (high - low) * f64::from(i) / f64::from(POINTS)).collect();
-    let (a, (least, most)) = (term.numbers[0].value, term.numbers[0].interval95);
-    let all = || xs.iter().flat_map(|x| [a, least, most].map(|c| c * product(*x)));
-    if !all().all(f64::is_finite) {
-        return html! {};
-    }
-    let x = Axis::new((*low, *high), (48.0, WIDTH - 8.0));
-    let y = Axis::around(all(), (HEIGHT - 36.0, 8.0), 0.08);
-    let mut svg = Svg::new(WIDTH, HEIGHT);
-    for (place, text) in y.ticks(5) {
-        svg.line("grid", (x.places().0, place), (x.places().1, place));
-        svg.text("tick", (44.0, place + 4.0), Anchor::End, &text);
-    }
-    for (place, text) in x.ticks(6) {
-        svg.text("tick", (place, HEIGHT - 20.0), Anchor::Middle, &text);
-    }
-    let curve = |c: f64| xs.iter().map(|at| (x.at(*at), y.at(c * product(*at)))).collect::<Vec<_>>();
-    for bound in [least, most] {
-        svg.path("limit", &curve(bound), false);
-    }
-    svg.path("line after", &curve(a), false);
-    svg.text("name", (x.places().0, HEIGHT - 4.0), Anchor::Start, &format!("{name}; dotted: 95 % of the coefficient"));
-    html! { figure { figcaption.above { "Acceleration along " (term.components.join(", ")) } (svg.finish("small", "course of the law")) } }
 }

@@ -59,8 +59,9 @@ fn drawn(one: &Explained) -> Vec<usize> {
     if one.seen.kind() == Kind::Joints { channels(one) } else { vec![worst(one)] }
 }
 
-/// Each recording with the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after.
-pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
+/// Each recording with the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after
+/// by what was `added`.
+pub fn overlays(shown: &[&Explained], both: bool, added: &str) -> Markup {
     let of = |one: &Explained| {
         let before = both.then_some(&one.before[..]);
         drawn(one)
@@ -80,7 +81,7 @@ pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
             p.how {
                 "Dots are measured: the torque of every joint of an arm, otherwise the channel with the largest misfit, or with the largest motion if there is none. "
                 @if both {
-                    "The dashed line is the simulation without the effect, parameters tuned; the solid line has the effect."
+                    "The dashed line is the simulation without the " (added) ", parameters tuned; the solid line has the " (added) "."
                 } @else {
                     "The line is the tuned simulation."
                 }

@@ -2,6 +2,7 @@
 
 mod candidates;
 mod change;
+mod course;
 mod finding;
 mod law;
 mod left_over;
@@ -11,7 +12,7 @@ mod pairs;
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::diagnose::{Change, Diagnosis, GapOf, Verdict};
+use tunenet_core::diagnose::{Change, Diagnosis, Explained, GapOf, Verdict};
 use tunenet_core::observation::{Kind, with_decimals};
 use tunenet_formats::Result;
 use tunenet_sim::phase;
@@ -62,39 +63,40 @@ fn title(answer: &Answer) -> String {
 }
 
 /// Whether the simulation after differs from that before.
-fn differs(diagnosis: &Diagnosis) -> bool {
-    diagnosis.explained.iter().any(|one| one.before != one.after)
+fn differs(all: &[Explained]) -> bool {
+    all.iter().any(|one| one.before != one.after)
 }
 
 /// Measured and simulated, and what is left.
 fn seen(answer: &Answer) -> Markup {
-    let (all, both) = (&answer.diagnosis.explained, differs(answer.diagnosis));
+    let all = answer.explained();
+    let both = differs(&all);
     if all.is_empty() {
         let series: Vec<Series> =
             answer.loaded.recorded.iter().flat_map(|r| Series::unused(&r.name, &r.seen)).take(12).collect();
         return html! { h2 { "Recordings" } (drawings(&series, false)) };
     }
-    let shown = left_over::chosen(all);
-    // A search for a law leaves no rollouts of the recordings: what is drawn is the simulation that lacks it.
-    let lacks_law = answer.found().is_some();
+    let shown = left_over::chosen(&all);
+    let added = if answer.found().is_some() { "law" } else { "effect" };
+    let dots = if both { format!("with the {added}") } else { "tuned".to_owned() };
     html! {
-        h2 { "Measured and simulated" @if lacks_law { " without the law" } @if both { ", before and after" } }
-        (left_over::overlays(&shown, both))
-        h2 { "Residuals" @if lacks_law { " without the law" } @if both { ", before and after" } }
-        (left_over::residuals(&shown, all.len(), both, if both { "with the effect" } else { "tuned" }))
+        h2 { "Measured and simulated" @if both { ", before and after" } }
+        (left_over::overlays(&shown, both, added))
+        h2 { "Residuals" @if both { ", before and after" } }
+        (left_over::residuals(&shown, all.len(), both, &dots))
         h2 { @if answer.diagnosis.verdict() == Verdict::None { "Location of the residual" } @else { "Location of the effect" } }
-        (place(answer, both))
+        (place(answer, &all, both))
     }
 }
 
 /// In which phase and state of the motion the disagreement shows.
-fn place(answer: &Answer, both: bool) -> Markup {
+fn place(answer: &Answer, explained: &[Explained], both: bool) -> Markup {
     let diagnosis = answer.diagnosis;
-    let groups = left_over::places(&diagnosis.explained);
+    let groups = left_over::places(explained);
     let all_of = |kind: Kind| answer.loaded.recorded.iter().all(|r| r.seen.kind() == kind);
     let (driven, other) = (all_of(Kind::Joints), all_of(Kind::Other));
     html! {
-        @if !diagnosis.effects().is_empty() {
+        @if !diagnosis.effects().is_empty() && answer.found().is_none() {
             ul.plain {
                 @for named in diagnosis.effects() {
                     li { code { (named.effect.name) } " acts " b { (phase::name(&named.effect.phase)) } ": " (named.effect.sentence) "." }
@@ -249,7 +251,7 @@ fn numbers(answer: &Answer) -> Markup {
         @if !diagnosis.adequacy.is_empty() {
             h2 { "Residual diagnostics" @if answer.found().is_some() { " without the law" } }
             (numbers::adequacy(&diagnosis.adequacy))
-            @if differs(diagnosis) {
+            @if differs(&diagnosis.explained) {
                 p { "Residuals with the effect, on their own scale:" }
                 (left_over::residuals(&left_over::chosen(&diagnosis.explained), diagnosis.explained.len(), false, "with the effect"))
             }
