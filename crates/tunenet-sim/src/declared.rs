@@ -98,10 +98,20 @@ pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
         };
         let mut state = StartState::new(name, unit, value);
         state.sd = start.sd;
+        state.rate_of = rate_of(file, name);
         state.bounds = start.min.zip(start.max);
         Ok(state)
     };
     file.starts().map(one).collect()
+}
+
+/// The channel of which a state of equations is the rate: its name is all of the derivative of a state that is observed as it is.
+fn rate_of(file: &SimulationFile, name: &str) -> Option<usize> {
+    let scene = file.equations().ok()?;
+    let (observed, _) = scene.derivatives.iter().find(|(_, formula)| formula.trim() == name)?;
+    let as_it_is =
+        scene.outputs.is_empty() || scene.outputs.get(observed).is_some_and(|formula| formula.trim() == observed);
+    file.headers().iter().position(|header| header == observed).filter(|_| as_it_is)
 }
 
 /// `simulator` with the candidates of `file`: those that it has at the values that it says, the others absent.

@@ -253,6 +253,7 @@ impl<M: Model + 'static> Simulator for Declared<M> {
         known.start = states.iter().map(|state| state.value(seen)).collect();
         for (position, (state, value)) in states.iter().zip(&known.start).enumerate() {
             if let Some((nuisance, sd)) = state.nuisance(*value)? {
+                prepared.begin.push(state.begin(seen, &nuisance));
                 prepared.nuisances.push(nuisance);
                 prepared.prior_sd.push(sd);
             } else if !self.model.checks_states() {

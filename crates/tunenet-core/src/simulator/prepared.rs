@@ -31,6 +31,9 @@ pub struct Prepared {
     pub step_error: Option<Vec<f64>>,
     /// Nuisance parameters of this recording (its initial state, the height of a surface), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
+    /// Where the estimate of each nuisance parameter begins, in their order, where that is better known than by its first guess, which is
+    /// the mean of its prior; of one that is missing here, at that guess.
+    pub begin: Vec<Option<f64>>,
     /// Standard deviations of the priors of the nuisance parameters around their first guesses, in their order; of one that is
     /// missing here the prior is as wide as its bounds.
     pub prior_sd: Vec<f64>,
@@ -98,6 +101,7 @@ impl Prepared {
             residual_scale: None,
             step_error: None,
             nuisances: Vec::new(),
+            begin: Vec::new(),
             prior_sd: Vec::new(),
             known_states: Vec::new(),
             local,
@@ -117,10 +121,11 @@ impl Prepared {
         !self.events.is_empty() || self.seen.kind() == Kind::EventTimes || self.local.iter().any(Option::is_some)
     }
 
-    /// The first guesses of the nuisance parameters.
+    /// Where the estimates of the nuisance parameters begin.
     #[must_use]
     pub fn nuisance_values(&self) -> Vec<f64> {
-        self.nuisances.iter().map(|p| p.value).collect()
+        let begin = |i: usize| self.begin.get(i).copied().flatten();
+        self.nuisances.iter().enumerate().map(|(i, p)| begin(i).unwrap_or(p.value)).collect()
     }
 }
 

@@ -1,11 +1,17 @@
 //! The initial state of a recording: known, or estimated with the recording.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::Parameter;
 use crate::Result;
 use crate::observation::Observation;
 
 /// Without bounds, a state that has a prior is sought within this many of its standard deviations.
 const REACH_SDS: f64 = 10.0;
+
+/// A slope is that of one sample in so many, and of at least so many.
+const SLOPE_SHARE: usize = 10;
+const LEAST_SLOPE_SAMPLES: usize = 6;
 
 /// What the name of an initial state begins with where it is a nuisance parameter: `start.theta`.
 pub(crate) const STATE: &str = "start.";
@@ -32,12 +38,14 @@ pub struct StartState {
     pub sd: Option<f64>,
     /// Its bounds. Without a prior it is estimated freely within them.
     pub bounds: Option<(f64, f64)>,
+    /// The channel whose rate of change it is, where there is one: its estimate begins at the slope of that.
+    pub rate_of: Option<usize>,
 }
 
 impl StartState {
     /// A state that is known.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, value: StartValue) -> Self {
-        Self { name: name.into(), unit: unit.into(), value, sd: None, bounds: None }
+        Self { name: name.into(), unit: unit.into(), value, sd: None, bounds: None, rate_of: None }
     }
 
     /// The same, estimated with a prior of this standard deviation around its value.
@@ -50,6 +58,12 @@ impl StartState {
     #[must_use]
     pub fn within(self, min: f64, max: f64) -> Self {
         Self { bounds: Some((min, max)), ..self }
+    }
+
+    /// The same, as the rate of change of what this channel shows.
+    #[must_use]
+    pub fn rate_of(self, channel: usize) -> Self {
+        Self { rate_of: Some(channel), ..self }
     }
 
     /// Whether it is estimated.
@@ -66,6 +80,12 @@ impl StartState {
         }
     }
 
+    /// Where its estimate begins in a recording, as a nuisance parameter: at the slope of the channel whose rate it is.
+    pub(super) fn begin(&self, seen: &Observation, nuisance: &Parameter) -> Option<f64> {
+        let slope = slope(seen, self.rate_of?)?;
+        Some(slope.clamp(nuisance.min, nuisance.max))
+    }
+
     /// As a nuisance parameter around `value` with the standard deviation of its prior, where it is estimated.
     ///
     /// # Errors
@@ -77,6 +97,22 @@ impl StartState {
         let sd = self.sd.unwrap_or_else(|| nuisance.span());
         Ok(Some((nuisance, sd)))
     }
+}
+
+/// The slope of a channel at its first sample: of a parabola through the first samples by least squares (Savitzky and Golay 1964).
+fn slope(seen: &Observation, channel: usize) -> Option<f64> {
+    let count = (seen.len() / SLOPE_SHARE).max(LEAST_SLOPE_SAMPLES).min(seen.len());
+    let clock = &seen.clock()[..count];
+    let (first, last) = (*clock.first()?, *clock.last()?);
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (i, time) in clock.iter().enumerate() {
+        let t = (time - first) / (last - first);
+        let powers = Vector3::new(1.0, t, t * t);
+        normal += powers * powers.transpose();
+        right += powers * seen.row(i)[channel];
+    }
+    let slope = normal.cholesky()?.solve(&right)[1] / (last - first);
+    slope.is_finite().then_some(slope)
 }
 
 #[cfg(test)]
@@ -110,5 +146,24 @@ mod tests {
         let values = vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
         let seen = Observation::new(Kind::Other, channels, vec![0.0, 1.0, 2.0], values).unwrap();
         assert_eq!(StartState { value: StartValue::First(1), ..state() }.value(&seen), 2.0);
+    }
+
+    /// x = 1 + 2 t − 3 t² has the slope 2 at the first instant, on any clock, and the bounds cut it.
+    #[test]
+    fn a_rate_begins_at_the_slope_of_its_channel() {
+        let clock: Vec<f64> = (0..80).map(|i| 5.0 + 0.01 * f64::from(i)).collect();
+        let path = |t: &f64| 1.0 + 2.0 * (t - 5.0) - 3.0 * (t - 5.0) * (t - 5.0);
+        let values = clock.iter().map(path).collect();
+        let seen = Observation::new(Kind::Other, vec![Channel::new("x", "m")], clock, values).unwrap();
+        let begin = |min: f64, max: f64| {
+            let state = state().within(min, max).rate_of(0);
+            let (nuisance, _) = state.nuisance(0.5).unwrap().unwrap();
+            state.begin(&seen, &nuisance).unwrap()
+        };
+        assert!((begin(-9.0, 9.0) - 2.0).abs() < 1e-9 && begin(0.0, 1.5) == 1.5);
+        assert_eq!(
+            StartState { rate_of: None, ..state() }.begin(&seen, &Parameter::new("a", "1", 0.0, 0.0, 1.0).unwrap()),
+            None
+        );
     }
 }

@@ -89,6 +89,7 @@ fn centred(recording: &PreparedRecording, found: &[f64]) -> PreparedRecording {
     for (nuisance, found) in centred.prepared.nuisances[..stated].iter_mut().zip(found) {
         nuisance.value = *found;
     }
+    centred.prepared.begin.clear();
     centred
 }
 
