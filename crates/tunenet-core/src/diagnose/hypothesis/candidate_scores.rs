@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
-use crate::diagnose::hypothesis::multistart::best_shapes;
+use crate::diagnose::hypothesis::multistart::{best_shapes, first_samples_show_more, fit_from_first_samples};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::hypothesis::wording::done_already;
@@ -123,6 +123,15 @@ pub(in crate::diagnose) fn score_candidates<'a>(
         })
         .collect();
     fit_best(context, &mut candidates, |i| Extension { model, base: &base, scored: &scored[i] });
+    if first_samples_show_more(context, model) {
+        for (candidate, one) in candidates.iter_mut().zip(&scored) {
+            if candidate.excluded.is_none() && !context.catalogue[one.entry].shared() && !one.start.is_empty() {
+                let fitted = fit_from_first_samples(context, model, (one.entry, &one.start));
+                let better = fitted.filter(|found| gain(context, model, found, model.scale()) > candidate.gain);
+                take(context, candidate, model, better);
+            }
+        }
+    }
     candidates.sort_by(CandidateFit::order);
     candidates
 }
@@ -275,12 +284,6 @@ fn fit_best<'s, 'a: 's>(
     extension: impl Fn(usize) -> Extension<'s, 'a> + Sync,
 ) {
     let mut done = vec![false; candidates.len()];
-    let take = |candidate: &mut CandidateFit<'a>, model: &Hypothesis<'a>, fitted: Option<Hypothesis<'a>>| {
-        let Some(fitted) = fitted else { return };
-        candidate.gain = gain(context, model, &fitted, model.scale());
-        candidate.excluded = implausible(context, &fitted).map(Exclusion::Implausible);
-        candidate.model = Some(fitted);
-    };
     for round in 0.. {
         let best = leader(candidates);
         let limit = best.map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
@@ -306,12 +309,12 @@ fn fit_best<'s, 'a: 's>(
         let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, FULL).ok()).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             done[i] = true;
-            take(&mut candidates[i], extension(i).model, fitted);
+            take(context, &mut candidates[i], extension(i).model, fitted);
         }
         let shaped: Vec<usize> = open.iter().copied().filter(|&i| !extension(i).scored.others.is_empty()).collect();
         let fits: Vec<_> = shaped.par_iter().map(|&i| fit_from_shapes(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in shaped.iter().zip(fits) {
-            take(&mut candidates[i], extension(i).model, fitted);
+            take(context, &mut candidates[i], extension(i).model, fitted);
         }
         // What fell short of the prediction, and could still come near the best.
         let limit =
@@ -320,7 +323,7 @@ fn fit_best<'s, 'a: 's>(
         open.retain(|i| expected(i) > limit && candidates[*i].gain <= KEPT * expected(i));
         let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in open.iter().zip(fits) {
-            take(&mut candidates[i], extension(i).model, fitted);
+            take(context, &mut candidates[i], extension(i).model, fitted);
         }
     }
     // What was not fitted to the end keeps what one step gained, and no model.
@@ -329,6 +332,19 @@ fn fit_best<'s, 'a: 's>(
             candidate.model = None;
         }
     }
+}
+
+/// A candidate as it was fitted, if it was.
+fn take<'a>(
+    context: &Context<'a>,
+    candidate: &mut CandidateFit<'a>,
+    model: &Hypothesis<'a>,
+    fitted: Option<Hypothesis<'a>>,
+) {
+    let Some(fitted) = fitted else { return };
+    candidate.gain = gain(context, model, &fitted, model.scale());
+    candidate.excluded = implausible(context, &fitted).map(Exclusion::Implausible);
+    candidate.model = Some(fitted);
 }
 
 /// The candidate that gains most so far.

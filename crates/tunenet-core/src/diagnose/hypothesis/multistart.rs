@@ -1,9 +1,11 @@
-//! Multistart from Halton's points (Halton 1960): of the fit without any effect, and of coefficients that only shape an effect.
+//! Multistart from Halton's points (Halton 1960): of the fit without any effect, and of coefficients that only shape an effect; and from
+//! the initial states that first samples show, of an effect that turns a motion round.
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, Which, spread};
 use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
+use crate::estimate::GROWING_SHARES;
 use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
 
@@ -111,6 +113,32 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
         })
     })?;
     Ok(Hypothesis { structure, fit })
+}
+
+/// Whether recordings show initial states by their first samples, and `model`, which follows the motion as a whole, may have others that
+/// are far off.
+pub(in crate::diagnose) fn first_samples_show_more(context: &Context<'_>, model: &Hypothesis) -> bool {
+    let is_shown = |begin: &Vec<Option<f64>>| begin.iter().any(Option::is_some);
+    context.recordings().iter().any(|r| is_shown(&r.prepared.begin)) && spread(&model.fit.residuals) >= SUSPICIOUS
+}
+
+/// The hypothesis of an effect in addition to `model`, fitted over growing shares of the recordings, with `coefficients` to begin with;
+/// nothing where it cannot be simulated.
+pub(in crate::diagnose) fn fit_from_first_samples<'a>(
+    context: &Context<'a>,
+    model: &Hypothesis<'a>,
+    (entry, coefficients): (usize, &[f64]),
+) -> Option<Hypothesis<'a>> {
+    let structure = context.structure(&[model.structure.effects.as_slice(), &[entry]].concat()).ok()?;
+    let joint = context.joint(&structure);
+    let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
+    parameters[model.structure.shared.len()..].copy_from_slice(coefficients);
+    let nuisances = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
+    let longer =
+        |point: Point, horizon: &f64| joint.fit(point, Effort { horizon: *horizon, ..EARLY }).map(|fit| fit.point);
+    let point = GROWING_SHARES.iter().try_fold(Point { parameters, nuisances }, longer).ok()?;
+    let fit = joint.fit(point, FULL).ok()?;
+    Some(Hypothesis { structure, fit })
 }
 
 /// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points.
