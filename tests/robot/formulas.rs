@@ -69,3 +69,16 @@ fn a_formula_that_fits_no_joint_is_refused_with_its_place() {
         assert!(refused.stderr.contains(wanted), "{to}: {}", refused.stderr);
     }
 }
+
+#[test]
+fn a_formula_without_a_value_is_refused_with_its_part_and_instant() {
+    let folder = folder();
+    recorded(&folder, &NONE, |_, mass| mass);
+    simulation(&folder, [6.0, 1.2, 0.02, 0.12, 0.022, 0.0]);
+    let file = String::from_utf8(folder.read("servo.toml")).unwrap();
+    let own = COGGING.replace("c * sin(n * q_rad)", "c * n / dq_rad_s") + "[effects.cogging]\nc = 0.1\nn = 3.0\n";
+    folder.write("own.toml", format!("{file}{}", own.replace("unit = \"1/rad\"", "unit = \"rad/s\"")));
+    let refused = folder.run("simulate --sim own.toml --inputs run_0.csv --out swing.csv").ends(1);
+    let wanted = "`c * n / dq_rad_s` in `candidates.cogging.formula` grows beyond all bounds at 0.000000 s";
+    assert!(refused.stderr.contains(wanted), "{}", refused.stderr);
+}

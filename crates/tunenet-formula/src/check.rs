@@ -40,9 +40,20 @@ fn of(tree: &Tree, names: &[Name], powers: &mut Vec<Range<usize>>) -> Result<Opt
     Ok(match function {
         Function::Negate | Function::Abs => first(),
         Function::Sign => Some(Unit::one()),
-        Function::Add | Function::Subtract | Function::Min | Function::Max | Function::Clamp => {
+        Function::Clamp => {
+            if let (Some(low), Some(high)) = (number(&arguments[1]), number(&arguments[2]))
+                && low > high
+            {
+                let place = arguments[1].place.start..arguments[2].place.end;
+                return Err(FormulaError::new(
+                    place,
+                    "the lower bound before the upper one",
+                    format!("{low} and {high}"),
+                ));
+            }
             equal(arguments, &each)?
         }
+        Function::Add | Function::Subtract | Function::Min | Function::Max => equal(arguments, &each)?,
         Function::Atan2 => {
             equal(arguments, &each)?;
             Some(Unit::one())
@@ -70,6 +81,10 @@ fn of(tree: &Tree, names: &[Name], powers: &mut Vec<Range<usize>>) -> Result<Opt
             if let Some(unit) = each[1].as_ref().filter(|unit| Unit::parse("s").as_ref() != Some(*unit)) {
                 let (place, found) = (arguments[1].place.clone(), format!("one in {unit}"));
                 return Err(FormulaError::new(place, "a delay in s", found));
+            }
+            if let Some(delay) = number(&arguments[1]).filter(|delay| *delay < 0.0) {
+                let (place, found) = (arguments[1].place.clone(), format!("{delay} s, which lies ahead"));
+                return Err(FormulaError::new(place, "a delay of 0 s or more", found));
             }
             first()
         }

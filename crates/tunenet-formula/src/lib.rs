@@ -13,6 +13,8 @@
 //! | `check` | dimensional analysis of a tree |
 //! | `program` | evaluation by a postfix stack machine |
 //! | `switch` | the surfaces at which `sign` jumps |
+//! | `undefined` | which part has no finite value |
+//! | `pole` | which part has a pole between two instants |
 //!
 //! No formula reaches a file, a process or the network; its length and its depth are bounded.
 //!
@@ -28,17 +30,21 @@
 mod check;
 mod function;
 mod parse;
+mod pole;
 mod program;
 mod switch;
 mod tree;
+mod undefined;
 mod unit;
 
 use std::ops::Range;
 
 pub use check::Units;
 pub use function::Function;
+pub use pole::Divisor;
 pub use program::Program;
 pub use tree::{Node, Tree};
+pub use undefined::Undefined;
 pub use unit::Unit;
 
 /// Longest text of a formula, in bytes.

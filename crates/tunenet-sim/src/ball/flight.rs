@@ -78,6 +78,29 @@ impl Field {
         self.formulas.as_deref().map_or(own, |all| all.iter().fold(own, |sum, one| sum + one.acceleration(t, x, v)))
     }
 
+    /// Which formula has no finite value on a straight way of so many seconds, in words without an end.
+    pub fn undefined(&self, (t, x, v): (f64, Vector, Vector), seconds: f64) -> Option<String> {
+        let at = |i: u32| {
+            let later = seconds * f64::from(i) / f64::from(LOOKED_AT);
+            (t + later, x + v * later, v)
+        };
+        let all = self.formulas.as_deref().into_iter().flatten();
+        (0..=LOOKED_AT).find_map(|i| all.clone().find_map(|one| one.undefined(at(i))))
+    }
+
+    /// Which formula has a pole between two instants, in words without an end.
+    pub fn pole(&self, from: (f64, &Motion), to: (f64, &Motion)) -> Option<String> {
+        let at = |(t, motion): (f64, &Motion)| (t, motion.x, motion.v);
+        self.formulas.as_deref()?.iter().find_map(|one| one.pole(at(from), at(to)))
+    }
+
+    /// The name of the formula that accelerates the ball most.
+    pub fn strongest(&self, t: f64, motion: &Motion) -> String {
+        let size = |one: &&AppliedForce| one.acceleration(t, motion.x, motion.v).length();
+        let all = self.formulas.as_deref().into_iter().flatten();
+        all.max_by(|a, b| size(a).total_cmp(&size(b))).map_or_else(String::new, |one| one.name().to_owned())
+    }
+
     /// How fine the steps are that formulas need.
     fn fineness(&self) -> step_size::Fineness {
         let searched = self.formulas.as_deref().is_some_and(|all| all.iter().any(AppliedForce::is_searched));
@@ -114,6 +137,8 @@ const LONGEST_STEP_S: f64 = 1.0 / 60.0;
 const REACH: f64 = 0.02;
 /// A step is not cut at an apex nearer than this share of it.
 const SHORTEST: f64 = 1e-3;
+/// At how many places of a way formulas are looked at where one has no finite value.
+const LOOKED_AT: u32 = 16;
 /// A sphere that rolls without slip keeps this share of a tangential acceleration: 1 / (1 + 2/5).
 pub(crate) const ROLLING_SHARE: f64 = 5.0 / 7.0;
 

@@ -112,6 +112,11 @@ pub fn positions(
         before = *time_s;
         world.advance_to(time_s.max(start_time_s))?;
         row.copy_from_slice(&world.state().position_m);
+        if row.iter().any(|value| !value.is_finite())
+            && let Some(part) = world.undefined()
+        {
+            return Err(format!("{part} by {time_s:.6} s"));
+        }
     }
     if let Some(i) = out.iter().position(|value| !value.is_finite()) {
         return Err(format!("the ball's position at {} s is {}", clock[i / 3], out[i]));

@@ -170,17 +170,23 @@ impl World {
             ));
         }
         let mut motion = self.path.at(self.until);
+        if self.field.has_formulas() {
+            self.defined(&motion)?;
+        }
         self.started_s += self.until;
         // Speed that grows with speed has no end; near it a step says nothing any more of how far the acceleration drifts.
         if self.field.has_formulas() && (motion.v.length() > FASTEST_M_S || self.path.slack > GREATEST_DRIFT_M_S2) {
             let at = self.started_s;
-            return Err(format!("the formula carries the ball away: it speeds up without end by {at:.6} s"));
+            let name = self.field.strongest(self.started_s, &motion);
+            return Err(format!(
+                "`candidates.{name}.formula` is too steep to follow: the ball speeds up without end by {at:.6} s"
+            ));
         }
         if let Some(touch) = self.hit.take() {
             // Onto the surface, so that what rounding left of the gap does not add up over the impacts.
             motion.x -= touch.normal * touch.distance;
             let before = motion;
-            motion = self.strike(before, &touch);
+            motion = self.strike(before, &touch)?;
             if self.law.duration_s > 0.0 && !self.supported && touch.normal.dot(before.v) < 0.0 {
                 self.path = Path::pressed(before, motion, touch.normal, self.law.duration_s);
                 self.until = self.law.duration_s;
@@ -209,7 +215,7 @@ impl World {
     }
 
     /// One impact, at its instant.
-    fn strike(&mut self, mut motion: Motion, touch: &Gap) -> Motion {
+    fn strike(&mut self, mut motion: Motion, touch: &Gap) -> Result<Motion, String> {
         let radius = self.ball.radius;
         let tilt = self.tilts_rad.get(self.impacts.len()).filter(|tilt| **tilt != [0.0; 2]);
         let struck = tilt.map_or(touch.normal, |tilt| turned(touch.normal, *tilt));
@@ -217,7 +223,7 @@ impl World {
         if approach > 0.0 {
             let mut coefficients = self.law.at(approach);
             if !self.returns.is_empty() {
-                coefficients.0 = self.returned(struck, &motion, approach, coefficients.0);
+                coefficients.0 = self.returned(struck, &motion, approach, coefficients.0)?;
             }
             let after = self.server.resolve(struck, radius, (motion.v, motion.w), coefficients);
             (motion.v, motion.w) = self.law.lose_slip(struck, radius, after);
@@ -233,15 +239,33 @@ impl World {
         if self.supported {
             motion.v -= normal * rebound;
         }
-        motion
+        Ok(motion)
     }
 
-    /// The restitution with what formulas add to it, 0 to 1; a sum that is no number adds nothing.
-    fn returned(&self, normal: Vector, motion: &Motion, approach: f64, restitution: f64) -> f64 {
+    /// The restitution with what formulas add to it, 0 to 1.
+    fn returned(&self, normal: Vector, motion: &Motion, approach: f64, restitution: f64) -> Result<f64, String> {
         let skin = motion.v - motion.w.cross(normal * self.ball.radius);
         let along = (skin - normal * normal.dot(skin)).length();
-        let added: f64 = self.returns.iter().map(|one| one.added(approach, along, restitution)).sum();
-        if added.is_nan() { restitution } else { (restitution + added).clamp(0.0, 1.0) }
+        let added = self.returns.iter().map(|one| one.added(approach, along, restitution)).sum::<Result<f64, _>>();
+        let added = added.map_err(|part| format!("{part} at {:.6} s", self.started_s))?;
+        Ok((restitution + added).clamp(0.0, 1.0))
+    }
+
+    /// Refuses the present piece of motion, which ends with `motion`, where a formula has no finite value in it.
+    fn defined(&self, motion: &Motion) -> Result<(), String> {
+        let (start, end_s) = (&self.path.start, self.started_s + self.until);
+        let refused = if (motion.x + motion.v).is_finite() {
+            self.field.pole((self.started_s, start), (end_s, motion))
+        } else {
+            self.undefined()
+        };
+        refused.map_or(Ok(()), |part| Err(format!("{part} by {end_s:.6} s")))
+    }
+
+    /// Which formula has no finite value in the present piece of motion, in words without an end.
+    pub(super) fn undefined(&self) -> Option<String> {
+        let Motion { x, v, .. } = self.path.start;
+        self.field.undefined((self.started_s, x, v), self.until.min(self.path.horizon))
     }
 
     /// Finds out how the present piece of motion ends.

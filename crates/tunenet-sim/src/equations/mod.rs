@@ -19,7 +19,6 @@
 //! | `crossing` | where within a step something crosses zero |
 //! | `law` | terms of a law that is searched, evaluated natively |
 //! | `rate` | how fast a formula changes along the motion |
-//! | `undefined` | which part of a formula has no finite value |
 //! | `rollout` | from the start to the last instant |
 //! | `model` | as a simulator that core tunes and diagnoses |
 //!
@@ -45,7 +44,6 @@ mod switching;
 mod system;
 #[cfg(test)]
 mod tests;
-mod undefined;
 pub(crate) mod valid;
 
 use std::ops::Range;

@@ -9,7 +9,6 @@ use super::motion::Motion;
 use super::runge_kutta::Stepper;
 use super::signal::Signal;
 use super::system::System;
-use super::undefined::undefined;
 
 /// Most evaluations of all derivatives in a rollout, and further ones for each break of an input.
 const MOST_EVALUATIONS: usize = 200_000;
@@ -259,14 +258,18 @@ impl<'a> Rollout<'a> {
         Err(self.at_part().unwrap_or_else(|| format!("`{name}` grows beyond all bounds at {} s", self.time())))
     }
 
-    /// The part of a derivative that has no finite value here, where there is one.
+    /// The part of a derivative that has no finite value here or where the next step leads, where there is one.
     fn at_part(&self) -> Option<String> {
         let system = self.motion.system;
-        let mut values = self.motion.values.clone();
-        values[..self.stepper.y.len()].copy_from_slice(&self.stepper.y);
-        let mut named = system.states.iter().zip(system.written.iter());
-        let (state, part) = named.find_map(|(state, formula)| Some((state, undefined(formula, &values)?)))?;
-        Some(format!("`{part}` in `derivatives.{state}` grows beyond all bounds at {} s", self.time()))
+        let (ahead, later) = self.stepper.ahead();
+        [(self.stepper.y.as_slice(), 0.0), (&ahead, later)].into_iter().find_map(|(state, later)| {
+            let mut values = self.motion.values.clone();
+            values[..state.len()].copy_from_slice(state);
+            values[system.slots.clock] += later;
+            let mut named = system.states.iter().zip(system.written.iter());
+            let (state, part) = named.find_map(|(state, formula)| Some((state, formula.undefined(&values)?)))?;
+            Some(format!("`{}` in `derivatives.{state}` {} at {} s", part.text, part.what, self.time()))
+        })
     }
 
     fn stuck(&self, why: &str) -> String {

@@ -9,6 +9,9 @@ const LEAST_SIZE: f64 = 1e-6;
 const GROWTH: f64 = 10.0;
 const SHRINK: f64 = 0.2;
 const SAFETY: f64 = 0.9;
+/// How far is looked ahead for what has no value: so many steps, and at least so many seconds.
+const STEPS_AHEAD: f64 = 10.0;
+const LEAST_AHEAD_S: f64 = 1e-6;
 /// Stages of a step; the last is the first of the next one.
 const STAGES: usize = 7;
 
@@ -68,6 +71,12 @@ impl Stepper {
             dense: vec![[0.0; 5]; n],
             size: start.iter().map(|value| value.abs().max(LEAST_SIZE)).collect(),
         }
+    }
+
+    /// Where the derivative leads to in some steps of the present length, and how much later that is, s.
+    pub fn ahead(&self) -> (Vec<f64>, f64) {
+        let later = (STEPS_AHEAD * self.h).max(LEAST_AHEAD_S);
+        (self.y.iter().zip(&self.stages).map(|(y, rate)| y + later * rate).collect(), later)
     }
 
     /// Evaluates the derivative where the step begins.

@@ -15,12 +15,13 @@ const VARIABLES: [(&str, &str); 3] = [("vn_m_s", "m/s"), ("vt_m_s", "m/s"), ("re
 /// The formula.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ContactFormula {
+    name: String,
     formula: Formula,
     layout: Layout,
 }
 
 impl ContactFormula {
-    pub fn new(candidate: &Candidate) -> Result<Self, Misfit> {
+    pub fn new(name: &str, candidate: &Candidate) -> Result<Self, Misfit> {
         for (key, given) in [
             ("along", !candidate.along.is_empty()),
             ("per_direction", !candidate.per_direction.is_empty()),
@@ -37,7 +38,7 @@ impl ContactFormula {
         }
         let (formula, layout) = formula(candidate, &VARIABLES, 1)?;
         require_unit(&formula, "1")?;
-        Ok(Self { formula, layout })
+        Ok(Self { name: name.to_owned(), formula, layout })
     }
 
     /// As it was written.
@@ -60,13 +61,23 @@ impl AppliedContact {
     }
 
     /// What it adds to the coefficient of restitution.
-    pub(crate) fn added(&self, normal_m_s: f64, along_m_s: f64, restitution: f64) -> f64 {
+    ///
+    /// # Errors
+    /// The part of the formula that has no finite value, in words without an end.
+    pub(crate) fn added(&self, normal_m_s: f64, along_m_s: f64, restitution: f64) -> Result<f64, String> {
         const COUNT: usize = VARIABLES.len();
         let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
         names[..COUNT].copy_from_slice(&[normal_m_s, along_m_s, restitution]);
         let layout = &self.formula.layout;
         layout.fill(&self.values, 0, &mut names[COUNT..COUNT + layout.coefficients()]);
-        self.formula.formula.program().value(&names)
+        let formula = &self.formula.formula;
+        let value = formula.program().value(&names);
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let part = formula.undefined(&names);
+        let (text, what) = part.map_or((formula.text(), "has no finite value"), |part| (part.text, part.what));
+        Err(format!("`{text}` in `candidates.{}.formula` {what}", self.formula.name))
     }
 }
 
@@ -80,15 +91,24 @@ mod tests {
 
     #[test]
     fn it_is_added_to_the_restitution() {
-        let formula = Arc::new(ContactFormula::new(&candidate(LOSS)).unwrap());
-        assert!((AppliedContact::new(&formula, &[0.02]).added(4.0, 1.0, 0.8) + 0.08).abs() < 1e-15);
+        let formula = Arc::new(ContactFormula::new("loss", &candidate(LOSS)).unwrap());
+        let applied = AppliedContact::new(&formula, &[0.02]);
+        assert!((applied.added(4.0, 1.0, 0.8).unwrap() + 0.08).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_formula_without_a_value_is_refused_with_its_part() {
+        let text = LOSS.replace("-k*vn_m_s", "-k*sqrt(vn_m_s^2 - 1*vt_m_s^2)");
+        let formula = Arc::new(ContactFormula::new("loss", &candidate(&text)).unwrap());
+        let refused = AppliedContact::new(&formula, &[0.02]).added(1.0, 2.0, 0.8).unwrap_err();
+        assert_eq!(refused, "`sqrt(vn_m_s^2 - 1*vt_m_s^2)` in `candidates.loss.formula` has no real value");
     }
 
     #[test]
     fn a_contact_has_no_direction() {
-        let refused = ContactFormula::new(&candidate(&format!("{LOSS}along = [\"x\"]\n"))).unwrap_err();
+        let refused = ContactFormula::new("loss", &candidate(&format!("{LOSS}along = [\"x\"]\n"))).unwrap_err();
         assert_eq!(refused.key, "along");
-        let refused = ContactFormula::new(&candidate(&LOSS.replace("vn_m_s", "vn_m_s^2"))).unwrap_err();
+        let refused = ContactFormula::new("loss", &candidate(&LOSS.replace("vn_m_s", "vn_m_s^2"))).unwrap_err();
         assert_eq!(refused.expected, "a formula in 1");
     }
 }

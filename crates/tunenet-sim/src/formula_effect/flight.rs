@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rapier3d::math::Vector;
 use tunenet_core::law::Term;
-use tunenet_formula::Formula;
+use tunenet_formula::{Divisor, Formula};
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
@@ -62,7 +62,7 @@ impl Direction {
 #[derive(Debug, Clone, PartialEq)]
 enum Size {
     /// A formula of the file.
-    Formula { formula: Formula, layout: Layout },
+    Formula { formula: Formula, layout: Layout, divisors: Vec<Divisor> },
     /// A term of a law that is searched, evaluated natively: with a coefficient for each direction.
     Law(Term),
 }
@@ -73,6 +73,7 @@ pub(crate) const LAW_VARIABLES: [usize; 5] = [0, 1, 2, 6, 7];
 /// The force.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FlightForce {
+    name: String,
     size: Size,
     directions: Vec<Direction>,
     centre: Vector,
@@ -84,7 +85,7 @@ pub(crate) struct FlightForce {
 }
 
 impl FlightForce {
-    pub fn new(candidate: &Candidate, mass_kg: Option<f64>) -> Result<Self, Misfit> {
+    pub fn new(name: &str, candidate: &Candidate, mass_kg: Option<f64>) -> Result<Self, Misfit> {
         let words = &candidate.along;
         if words.is_empty() {
             let expected = format!("at least one of {}", WORDS.map(|word| format!("\"{word}\"")).join(", "));
@@ -126,6 +127,7 @@ impl FlightForce {
         }
         let (formula, layout) = formula(candidate, &VARIABLES, directions.len())?;
         require_unit(&formula, unit)?;
+        let divisors = formula.divisors(&|name| name < COUNT).map_err(Misfit::of)?;
         let range = |(name, range): (&String, &(f64, f64))| {
             let place = VARIABLES.iter().position(|(known, _)| known == name).ok_or_else(|| {
                 let known = VARIABLES.map(|(known, _)| known).join(", ");
@@ -134,9 +136,10 @@ impl FlightForce {
             Ok((place?, *range))
         };
         Ok(Self {
+            name: name.to_owned(),
             valid: candidate.valid.iter().map(range).collect::<Result<_, _>>()?,
             depends_on_time: formula.uses(TIME),
-            size: Size::Formula { formula, layout },
+            size: Size::Formula { formula, layout, divisors },
             directions,
             centre: Vector::from_array(candidate.centre.unwrap_or_default()),
             factor,
@@ -155,6 +158,7 @@ impl FlightForce {
         };
         let clock = |factor: &tunenet_core::law::Factor| LAW_VARIABLES[factor.variable] == TIME;
         Some(Self {
+            name: String::new(),
             directions: along.iter().map(direction).collect::<Option<_>>()?,
             depends_on_time: term.factors.iter().any(clock),
             size: Size::Law(term),
@@ -239,6 +243,39 @@ impl AppliedForce {
         self.force.valid.iter().find_map(beyond)
     }
 
+    /// The values of all names of the formula along direction `i`; of a law nothing.
+    fn names(&self, i: usize, (t, x, v): (f64, Vector, Vector)) -> Option<[f64; COUNT + MOST_COEFFICIENTS]> {
+        let Size::Formula { layout, .. } = &self.force.size else { return None };
+        let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
+        names[..COUNT].copy_from_slice(&self.force.variables(t, x, v));
+        layout.fill(&self.values, i, &mut names[COUNT..COUNT + layout.coefficients()]);
+        Some(names)
+    }
+
+    /// The name of its candidate; empty of a law that is searched.
+    pub(crate) fn name(&self) -> &str {
+        &self.force.name
+    }
+
+    /// Which part of the formula has no finite value at an instant, a place and a velocity, in words without an end.
+    pub(crate) fn undefined(&self, at: (f64, Vector, Vector)) -> Option<String> {
+        let formula = self.force.formula()?;
+        let along = |i: usize| formula.undefined(&self.names(i, at)?);
+        let part = (0..self.force.directions()).find_map(along)?;
+        Some(format!("`{}` in `candidates.{}.formula` {}", part.text, self.force.name, part.what))
+    }
+
+    /// Which part of the formula has a pole between two instants, in words without an end.
+    pub(crate) fn pole(&self, from: (f64, Vector, Vector), to: (f64, Vector, Vector)) -> Option<String> {
+        let Size::Formula { formula, divisors, .. } = &self.force.size else { return None };
+        if divisors.is_empty() {
+            return None;
+        }
+        let along = |i: usize| formula.pole_between(divisors, &self.names(i, from)?, &self.names(i, to)?);
+        let part = (0..self.force.directions()).find_map(along)?;
+        Some(format!("`{part}` in `candidates.{}.formula` grows beyond all bounds", self.force.name))
+    }
+
     /// Whether it is a term of a law that a search tries.
     pub(crate) fn is_searched(&self) -> bool {
         matches!(self.force.size, Size::Law(_))
@@ -250,7 +287,7 @@ impl AppliedForce {
         let away = x - force.centre;
         let mut sum = Vector::ZERO;
         match &force.size {
-            Size::Formula { formula, layout } => {
+            Size::Formula { formula, layout, .. } => {
                 let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
                 names[..COUNT].copy_from_slice(&force.variables(t, x, v));
                 for (i, direction) in force.directions.iter().enumerate() {
@@ -285,7 +322,7 @@ mod tests {
             "sentence = \"s\"\nacts = \"flight\"\nalong = {along}\nformula = \"{formula}\"\n{more}\n\
              coefficients.k = {{ min = -9.0, max = 9.0, absent = 0.0, unit = \"?\" }}\n"
         );
-        AppliedForce::new(&Arc::new(FlightForce::new(&candidate(&text), Some(0.5)).unwrap()), values)
+        AppliedForce::new(&Arc::new(FlightForce::new("it", &candidate(&text), Some(0.5)).unwrap()), values)
     }
 
     #[test]
@@ -324,5 +361,25 @@ mod tests {
         let x = roll(&[0.0, 0.45]).unwrap()[3];
         assert!((x - (1.0 - 0.1_f64.sqrt()) / 0.5).abs() < 1e-6, "{x}");
         assert!(roll(&[0.0, 0.55]).unwrap_err().contains("speeds up without end"));
+    }
+
+    /// A ball that falls from 1 m reaches 0.5 m after √(1/9.81) = 0.319 s; k/(z − 0.5) with k = -0.001 draws it on little before.
+    #[test]
+    fn a_pole_and_a_value_that_is_none_are_refused_with_their_part() {
+        let roll = |formula: &str, k: f64, until_s: f64| {
+            let flight = vec![force("[\"z\"]", formula, "", &[k])];
+            let formulas = Formulas { flight, ..Formulas::default() };
+            let scene = Scene { surface_height_m: -100.0, formulas, ..Scene::default() };
+            positions(&scene, &State::at([0.0, 0.0, 1.0]), 0.0, &[0.0, until_s], &mut [0.0; 6])
+        };
+        let pole = "`k/(z_m - 0.5)` in `candidates.it.formula` grows beyond all bounds by 0.3";
+        assert!(roll("k/(z_m - 0.5)", -0.001, 0.3).is_ok());
+        let refused = roll("k/(z_m - 0.5)", -0.001, 0.5).unwrap_err();
+        assert!(refused.starts_with(pole), "{refused}");
+        let none = "`sqrt(z_m - 0.5)` in `candidates.it.formula` has no real value by 0.3";
+        let refused = roll("k*sqrt(z_m - 0.5)", 0.001, 0.5).unwrap_err();
+        assert!(refused.starts_with(none), "{refused}");
+        // 0/0 has a limit, and is passed.
+        assert!(roll("k*sin(k*(z_m - 0.5))/(z_m - 0.5)", 0.001, 0.4).is_ok());
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use tunenet_formula::{Formula, FormulaError, Node, Program, Tree};
+use tunenet_formula::{Divisor, Formula, FormulaError, Node, Program, Tree};
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
@@ -35,8 +35,10 @@ enum Surface {
 /// The torque.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointTorque {
+    name: String,
     formula: Formula,
     layout: Layout,
+    divisors: Vec<Divisor>,
     /// The formula with a side for each of its surfaces.
     sided: Program,
     surfaces: Vec<Surface>,
@@ -49,17 +51,17 @@ pub(crate) struct JointTorque {
 
 impl JointTorque {
     /// What acts at the joints of an arm whose motion is known; without them it is only checked.
-    pub fn of_arm(candidate: &Candidate, joints: Option<&[String]>) -> Result<Self, Misfit> {
+    pub fn of_arm(name: &str, candidate: &Candidate, joints: Option<&[String]>) -> Result<Self, Misfit> {
         if let Some(other) = candidate.gives.as_deref().filter(|gives| *gives != "nm") {
             let found = format!("\"{}\"", other.escape_debug());
             return Err(Misfit::new("gives", "\"nm\", the torque that an arm's motion needs more", found));
         }
         let turning: Option<Vec<JointOf>> = joints.map(|all| all.iter().map(|name| (name.as_str(), false)).collect());
-        Self::made(candidate, turning.as_deref(), false, "joints of the arm")
+        Self::made((name, candidate), turning.as_deref(), false, "joints of the arm")
     }
 
     /// What acts at the joints of a robot that follows commands: those that turn, or those that slide where it gives a force.
-    pub fn of_robot(candidate: &Candidate, joints: Option<&[JointOf]>) -> Result<Self, Misfit> {
+    pub fn of_robot(name: &str, candidate: &Candidate, joints: Option<&[JointOf]>) -> Result<Self, Misfit> {
         let slides = match candidate.gives.as_deref() {
             None | Some("nm") => false,
             Some("n") => true,
@@ -69,10 +71,15 @@ impl JointTorque {
                 return Err(Misfit::new("gives", expected, format!("\"{}\"", other.escape_debug())));
             }
         };
-        Self::made(candidate, joints, slides, if slides { "joints that slide" } else { "joints that turn" })
+        Self::made((name, candidate), joints, slides, if slides { "joints that slide" } else { "joints that turn" })
     }
 
-    fn made(candidate: &Candidate, joints: Option<&[JointOf]>, slides: bool, expected: &str) -> Result<Self, Misfit> {
+    fn made(
+        (name, candidate): (&str, &Candidate),
+        joints: Option<&[JointOf]>,
+        slides: bool,
+        expected: &str,
+    ) -> Result<Self, Misfit> {
         let along_motion = match candidate.along.as_slice() {
             [] => false,
             [one] if one == "dq" => true,
@@ -117,8 +124,10 @@ impl JointTorque {
         let (formula, layout) = formula(candidate, variables, named.map_or(1, <[String]>::len))?;
         require_unit(&formula, unit)?;
         let depends_on_time = formula.uses(TIME);
+        let divisors = formula.divisors(&|name| name < COUNT).map_err(Misfit::of)?;
         let (sided, surfaces) = sides_of(&formula).map_err(Misfit::of)?;
-        Ok(Self { formula, layout, sided, surfaces, joints: places, along_motion, depends_on_time })
+        let name = name.to_owned();
+        Ok(Self { name, formula, layout, divisors, sided, surfaces, joints: places, along_motion, depends_on_time })
     }
 
     /// At how many joints of the robot it acts, and which one is the first.
@@ -204,6 +213,24 @@ impl AppliedTorque {
         (of(1.0), of(-1.0))
     }
 
+    /// Which part of the formula has no finite value at joint `j`, at this instant, position and speed, in words without an end.
+    pub(crate) fn undefined(&self, j: usize, (t, q, dq): (f64, f64, f64)) -> Option<String> {
+        let part = self.torque.formula.undefined(&self.names(j, [q, dq, t])?)?;
+        Some(format!("`{}` in `candidates.{}.formula` {}", part.text, self.torque.name, part.what))
+    }
+
+    /// Whether it divides by what moves.
+    pub(crate) fn divides(&self) -> bool {
+        !self.torque.divisors.is_empty()
+    }
+
+    /// Which part of the formula has a pole between two instants, positions and speeds of joint `j`, in words without an end.
+    pub(crate) fn pole(&self, j: usize, (t, q, dq): (f64, f64, f64), (t2, q2, dq2): (f64, f64, f64)) -> Option<String> {
+        let (from, to) = (self.names(j, [q, dq, t])?, self.names(j, [q2, dq2, t2])?);
+        let part = self.torque.formula.pole_between(&self.torque.divisors, &from, &to)?;
+        Some(format!("`{part}` in `candidates.{}.formula` grows beyond all bounds", self.torque.name))
+    }
+
     /// The values of all names of the formula at joint `j`; nothing where it does not act there.
     fn names(&self, j: usize, variables: [f64; COUNT]) -> Option<[f64; COUNT + MOST_COEFFICIENTS]> {
         let torque = &*self.torque;
@@ -226,7 +253,7 @@ mod tests {
     #[test]
     fn each_named_joint_has_its_own_numbers() {
         let joints = ["a", "b", "c"].map(str::to_owned);
-        let torque = Arc::new(JointTorque::of_arm(&candidate(CABLE), Some(&joints)).unwrap());
+        let torque = Arc::new(JointTorque::of_arm("cable", &candidate(CABLE), Some(&joints)).unwrap());
         let applied = AppliedTorque::new(&torque, &[2.0, 3.0]);
         let at = |j: usize| applied.torque(j, 0.0, std::f64::consts::FRAC_PI_2, 0.0);
         assert_eq!((at(0), at(1), at(2)), (3.0, 2.0, 0.0));
@@ -240,7 +267,7 @@ mod tests {
                 "sentence = \"s\"\nacts = \"joint\"\nformula = \"{formula}\"\n{more}\n\
                  coefficients.k = {{ unit = \"N·m\", absent = 0.0, min = -5.0, max = 5.0 }}\n"
             );
-            let torque = JointTorque::of_robot(&candidate(&text), Some(&[("a", false)])).unwrap();
+            let torque = JointTorque::of_robot("it", &candidate(&text), Some(&[("a", false)])).unwrap();
             let applied = AppliedTorque::new(&Arc::new(torque), &[3.0]);
             move |q: f64| applied.sides(0, 0.0, q, 2.0)
         };
@@ -254,11 +281,11 @@ mod tests {
     #[test]
     fn what_the_arm_lacks_is_refused() {
         let joints = ["a".to_owned()];
-        assert_eq!(JointTorque::of_arm(&candidate(CABLE), Some(&joints)).unwrap_err().found, "\"b\"");
-        assert!(JointTorque::of_arm(&candidate(CABLE), None).is_ok());
+        assert_eq!(JointTorque::of_arm("cable", &candidate(CABLE), Some(&joints)).unwrap_err().found, "\"b\"");
+        assert!(JointTorque::of_arm("cable", &candidate(CABLE), None).is_ok());
         let twice = CABLE.replace("[\"b\", \"a\"]", "[\"b\", \"b\"]");
-        assert_eq!(JointTorque::of_arm(&candidate(&twice), None).unwrap_err().found, "\"b\" twice");
+        assert_eq!(JointTorque::of_arm("cable", &candidate(&twice), None).unwrap_err().found, "\"b\" twice");
         let speed = CABLE.replace("k*sin(q_rad)", "k*dq_rad_s");
-        assert_eq!(JointTorque::of_arm(&candidate(&speed), None).unwrap_err().key, "formula");
+        assert_eq!(JointTorque::of_arm("cable", &candidate(&speed), None).unwrap_err().key, "formula");
     }
 }

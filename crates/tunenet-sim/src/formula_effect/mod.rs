@@ -85,11 +85,11 @@ impl FormulaEffect {
                 return Err(Misfit::new("valid", "none, except in flight", "one"));
             }
             Phase::Segment => {
-                let force = FlightForce::new(candidate, mass_kg)?;
+                let force = FlightForce::new(name, candidate, mass_kg)?;
                 let count = force.directions();
                 (Acts::Flight(Arc::new(force)), count)
             }
-            Phase::Event => (Acts::Contact(Arc::new(ContactFormula::new(candidate)?)), 1),
+            Phase::Event => (Acts::Contact(Arc::new(ContactFormula::new(name, candidate)?)), 1),
             _ => return Err(Misfit::new("acts", "\"flight\" or \"contact\" for a ball", quoted(&candidate.acts))),
         };
         Ok(Self::made(name, candidate, directions, acts))
@@ -105,7 +105,7 @@ impl FormulaEffect {
         if phase::parse(&candidate.acts) != Phase::Joint {
             return Err(Misfit::new("acts", "\"joint\" for an arm", quoted(&candidate.acts)));
         }
-        Ok(Self::at_joints(name, candidate, JointTorque::of_arm(candidate, joints)?))
+        Ok(Self::at_joints(name, candidate, JointTorque::of_arm(name, candidate, joints)?))
     }
 
     /// The effect that a candidate of a robot's file declares, on a robot with these joints; without them it is only checked.
@@ -118,7 +118,7 @@ impl FormulaEffect {
         if phase::parse(&candidate.acts) != Phase::Joint {
             return Err(Misfit::new("acts", "\"joint\" for a robot", quoted(&candidate.acts)));
         }
-        Ok(Self::at_joints(name, candidate, JointTorque::of_robot(candidate, joints)?))
+        Ok(Self::at_joints(name, candidate, JointTorque::of_robot(name, candidate, joints)?))
     }
 
     fn at_joints(name: &str, candidate: &Candidate, torque: JointTorque) -> Self {
@@ -216,8 +216,27 @@ fn formula(candidate: &Candidate, variables: &[(&str, &str)], directions: usize)
             return Err(Misfit::new("formula", format!("one that uses the coefficient `{key}`"), "one that does not"));
         }
     }
+    absent_is_nothing(candidate, &formula, variables.len())?;
     let each = keys.iter().map(|key| candidate.per_direction.contains(key)).collect();
     Ok((formula, Layout::new(directions, each)))
+}
+
+/// Refuses a formula that gives something although its coefficients have their absent values.
+fn absent_is_nothing(candidate: &Candidate, formula: &Formula, variables: usize) -> Result<(), Misfit> {
+    if candidate.coefficients.values().all(|one| one.absent.is_none()) {
+        return Ok(());
+    }
+    for point in 0..3_u32 {
+        let spread = |i: usize| 0.4 + 1.2 * (0.618 * (i as f64 + 1.0) + 0.27 * f64::from(point)).fract();
+        let mut values: Vec<f64> = (0..variables).map(spread).collect();
+        values.extend(candidate.coefficients.values().map(|one| candidate.absent(one)));
+        let given = formula.program().value(&values);
+        if given.is_finite() && given.abs() > 1e-12 {
+            let expected = "a formula that is 0 where its coefficients have their `absent` values";
+            return Err(Misfit::new("formula", expected, format!("one that is {given:.3} somewhere")));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a formula whose unit is known and is none of what it is to give.
@@ -283,6 +302,8 @@ pub(crate) mod tests {
         for (from, to, key, wanted) in [
             ("-k*x_m", "-k*y", "formula", "expected one of x_m, y_m"),
             ("-k*x_m", "-k*vx_m_s", "formula", "expected a formula in m/s², found one in m/s³"),
+            ("-k*x_m", "3.0 - k*x_m", "formula", "a formula that is 0 where"),
+            ("-k*x_m", "-k*clamp(x_m, 1, -1)", "formula", "the lower bound before the upper one, found 1 and -1"),
             ("-k*x_m", "-2.5*x_m", "formula", "expected one that uses the coefficient `k`"),
             ("-k*x_m", "-k*delay(x_m, 0.1)", "formula", "a formula without `delay`"),
             ("along = [\"x\"]", "along = [\"q\"]", "along", "found \"q\""),

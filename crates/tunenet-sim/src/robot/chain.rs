@@ -128,7 +128,7 @@ impl<'a> Chain<'a> {
             let mut renewed = pass == 0;
             for (j, joint) in self.joints.iter().enumerate() {
                 let (place, measured, middle) = (self.place[j], self.measured[j], self.middle[j]);
-                let (needed, rubbing) = asked(self.formulas, j, t + 0.5 * dt, measured, middle);
+                let (needed, rubbing) = asked(self.formulas, j, t + 0.5 * dt, measured, middle)?;
                 let outside = -self.bias[j] + joint.preload - joint.spring * place - needed;
                 let before = self.motors[j].braking;
                 self.motors[j] = motor(joint, commands[j], measured, middle);

@@ -3,6 +3,7 @@
 use tunenet_core::Result;
 use tunenet_core::simulator::{Model as Rollouts, Preparation, Prepared, RolloutResult, Run};
 
+use super::acting::{pole, undefined};
 use super::imperfect::Imperfect;
 use super::layout::{Layout, Role, Wiring};
 use super::numbers::JointNumbers;
@@ -126,21 +127,27 @@ impl Rollouts for RobotModel {
         let mut wires: Vec<Wire> = joints.iter().zip(&self.layout.wiring).map(wire).collect();
         let formulas = imperfect.arm.formulas.as_slice();
         let elastic = joints.iter().any(|joint| joint.gap > 0.0 || joint.compliance > 0.0);
-        match (joints.as_slice(), rig.load(&imperfect)) {
+        let rolled: RolloutResult = match (joints.as_slice(), rig.load(&imperfect)) {
             ([joint], Some(load)) if elastic => {
-                two_masses::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out)?;
+                two_masses::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out).map_err(Into::into)
             }
             ([joint], Some(load)) => {
                 if load.inertia + joint.armature <= 0.0 {
                     return Err("the joint has no inertia: its armature or its link needs some".into());
                 }
-                one_joint::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out);
+                one_joint::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out).map_err(Into::into)
             }
             _ if elastic => return Err("backlash and elasticity are simulated at a single joint only".into()),
             _ => {
                 let (world, gravity) = rig.world(&imperfect);
-                chain::roll((&joints, &world, gravity, formulas), &mut wires, (&q, &w), &mut out)?;
+                chain::roll((&joints, &world, gravity, formulas), &mut wires, (&q, &w), &mut out).map_err(Into::into)
             }
+        };
+        if let Err(why) = rolled {
+            return Err(undefined(formulas, &out).map_or(why, Into::into));
+        }
+        if let Some(why) = pole(formulas, &out) {
+            return Err(why.into());
         }
         let readout = Readout { delay_s: imperfect.reading_delay_s, latch_s: imperfect.latch_s };
         let width = self.layout.readings.len();

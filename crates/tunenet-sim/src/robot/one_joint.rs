@@ -106,12 +106,15 @@ impl Step<'_> {
 pub(super) const PASSES: usize = 2;
 
 /// Rolls the joint out from position `q` and speed `w` over the grid of `out`.
+///
+/// # Errors
+/// Where a formula has no finite value.
 pub(super) fn roll(
     (joint, load, formulas): (&JointNumbers, &Load, &[AppliedTorque]),
     wire: &mut Wire,
     (q, w): (f64, f64),
     out: &mut Trajectory,
-) {
+) -> Result<(), &'static str> {
     let passes = if formulas.is_empty() { 1 } else { PASSES };
     let dt = out.step_s;
     let inertia = load.inertia + joint.armature;
@@ -121,16 +124,16 @@ pub(super) fn roll(
         let middle = q + 0.5 * dt * w;
         let weight = outside(joint, load, middle);
         let demand = joint.demand(command.goal, middle);
-        let advance = |speed: f64| {
-            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed);
+        let advance = |speed: f64| -> Result<_, &'static str> {
+            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed)?;
             let outside = weight - torque;
             let momentum = inertia * w + dt * outside;
             let step = Step { joint, mass: inertia, momentum, outside, rubbing, speed: w, step_s: dt };
-            step.driven(command, demand)
+            Ok(step.driven(command, demand))
         };
         let (mut after, mut motor) = (w, Motor { torque: 0.0, braking: 0.0, passive: 0.0 });
         for _ in 0..passes {
-            (after, motor) = advance(0.5 * (w + after));
+            (after, motor) = advance(0.5 * (w + after))?;
         }
         q += 0.5 * dt * (w + after);
         if out.holds_torques() {
@@ -139,4 +142,5 @@ pub(super) fn roll(
         w = after;
         out.state(k + 1, 0, q, w);
     }
+    Ok(())
 }

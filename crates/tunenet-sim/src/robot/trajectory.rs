@@ -59,6 +59,16 @@ impl Trajectory {
         (self.q[at], self.w[at]) = (q, w);
     }
 
+    /// Position and speed of a joint at instant `k`.
+    pub fn state_at(&self, k: usize, joint: usize) -> (f64, f64) {
+        let at = k * self.joints + joint;
+        (self.q[at], self.w[at])
+    }
+
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
     /// The torque of the step from instant `k` to the next.
     #[inline]
     pub fn torque(&mut self, k: usize, joint: usize, torque: f64) {

@@ -69,8 +69,8 @@ pub(super) fn roll(
         };
         let shared = coupled / (load.inertia + coupled);
         let demand = joint.demand(command.goal, middle);
-        let advance = |speed: f64| {
-            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed);
+        let advance = |speed: f64| -> Result<_, &'static str> {
+            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed)?;
             let outside = weight - torque;
             let link = load.inertia * w + dt * outside;
             let step = Step {
@@ -83,11 +83,11 @@ pub(super) fn roll(
                 step_s: dt,
             };
             let (motor_after, motor) = step.driven(command, demand);
-            ((link + pressed + coupled * motor_after) / (load.inertia + coupled), motor_after, motor)
+            Ok(((link + pressed + coupled * motor_after) / (load.inertia + coupled), motor_after, motor))
         };
         let (mut after, mut motor_after, mut motor) = (w, 0.0, Motor { torque: 0.0, braking: 0.0, passive: 0.0 });
         for _ in 0..passes {
-            (after, motor_after, motor) = advance(0.5 * (w + after));
+            (after, motor_after, motor) = advance(0.5 * (w + after))?;
         }
         q += 0.5 * dt * (w + after);
         twist += 0.5 * dt * (motor_speed + motor_after - w - after);

@@ -21,7 +21,7 @@ fn a_chain_of_one_joint_is_that_joint() {
     let mut alone = Trajectory::new(0.0, 0.001, 6000, 1, false);
     alone.state(0, 0, 0.1, 0.0);
     let mut among = alone.clone();
-    one_joint::roll((&joint, &rig.load(&none).unwrap(), &[]), &mut wire(), (0.1, 0.0), &mut alone);
+    one_joint::roll((&joint, &rig.load(&none).unwrap(), &[]), &mut wire(), (0.1, 0.0), &mut alone).unwrap();
     chain::roll((&[joint], &world, down, &[]), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
     for t in clock(6.0) {
         let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, Readout::default());
