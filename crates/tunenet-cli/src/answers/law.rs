@@ -126,6 +126,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Flexible => {
             "one flank of a bump, less than half a period of an oscillation, or two factors with two constants each fit any smooth force"
         }
+        Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::Grammar => "no product of two shapes of the table explains what is missing",
         Reason::Catalogue => "an effect of the catalogue explains the recordings as well",
     }

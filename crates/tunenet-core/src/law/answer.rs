@@ -12,6 +12,8 @@ use crate::observation::Observation;
 pub const MOST_FORCE_NATS: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
+/// A constant lies at an end of its range within this share of it.
+const AT_BOUND: f64 = 1e-3;
 /// Residual force on held-out recordings, in nats: by Markov's inequality odds of a thousand to one have at most that probability.
 pub const MOST_HELD_OUT_FORCE_NATS: f64 = 6.9;
 
@@ -54,6 +56,8 @@ pub enum Reason {
     /// It fits any smooth force: a bump of which one flank was seen only, less than half a period of an oscillation, or a product of two
     /// factors with two constants each.
     Flexible,
+    /// A constant of it lies at the end of the range that is searched.
+    Bound,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.
@@ -235,6 +239,18 @@ pub struct Answer {
 }
 
 impl Member {
+    /// Whether a constant inside a factor lies at an end of the range that is searched, where its interval says nothing.
+    #[must_use]
+    pub fn is_at_bound(&self) -> bool {
+        self.terms.iter().any(|term| {
+            let each = term.numbers.iter().zip(&term.carried.effect.coefficients);
+            each.filter(|(number, _)| number.role.is_some()).any(|(number, of)| {
+                let room = AT_BOUND * (of.max - of.min);
+                number.value <= of.min + room || number.value >= of.max - room
+            })
+        })
+    }
+
     /// The law in words: coefficients, formulas and directions.
     #[must_use]
     pub fn text(&self) -> String {

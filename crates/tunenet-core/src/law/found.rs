@@ -29,7 +29,7 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
         let sd = &deviations[at..at + values.len()];
         at += values.len();
         let most = values[..term.components].iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-        let carried = term.carried(session.host, &response.ranges, i, (10.0 * most).max(1e-9));
+        let carried = term.carried(session.host, &response.ranges, i, 10.0 * if most > 0.0 { most } else { 1e-9 });
         let units = carried.effect.coefficients.iter().map(|c| c.unit.to_string());
         let each = term.keys(space).into_iter().zip(units).zip(values.iter().zip(sd));
         let found = each.map(|(((key, role), unit), (value, sd))| {

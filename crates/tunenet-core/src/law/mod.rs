@@ -19,6 +19,7 @@
 //! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
 //! | `between` | products of a power and an exponential near one of both |
+//! | `exponent` | exponents of variables far from 1 in their unit |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `alone` | which laws a law has to surpass before it stands alone |
@@ -36,6 +37,7 @@ mod course;
 mod early;
 mod evidence;
 mod explore;
+mod exponent;
 mod forms;
 mod found;
 mod information;
@@ -158,7 +160,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     }
     let mut ahead = Ahead::new(held_out, held_noise);
     let mut answer = Answer { rival_bic_gain, ..none(Verdict::Unknown, None) };
-    conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer)?;
+    conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer);
     answer.rollouts = log.count();
     Ok(answer)
 }
@@ -168,10 +170,11 @@ fn conclude(
     session: &Session,
     response: &Response,
     ahead: &mut Ahead,
-    (laws, known): (Vec<Law>, Option<&Rival>),
+    (mut laws, known): (Vec<Law>, Option<&Rival>),
     (settings, most): (&Settings, usize),
     answer: &mut Answer,
-) -> Result<()> {
+) {
+    laws.extend(exponent::opened(session, response, &laws, settings.margin));
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let found = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
         // Beyond the share of the search laws stand as they were fitted so far, and none alone.
@@ -179,7 +182,7 @@ fn conclude(
             session.short.store(true, Ordering::Relaxed);
             return law;
         }
-        session.finish(response, &law).unwrap_or(law)
+        exponent::profiled(session, response, session.finish(response, &law).unwrap_or(law))
     });
     let found = distinct(ranked(found.collect()));
     let best = found.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
@@ -210,8 +213,9 @@ fn conclude(
                 break;
             }
             judged += 1;
-            let gates = judge(session, response, ahead, &law)?;
-            let member = found::member(session, response, &law, gates, best)?;
+            // A law that no rollout follows next to its fitted constants is none.
+            let Ok(gates) = judge(session, response, ahead, &law) else { continue };
+            let Ok(member) = found::member(session, response, &law, gates, best) else { continue };
             match gates.failed() {
                 None => members.push((law, member)),
                 Some(gate) => {
@@ -249,11 +253,11 @@ fn conclude(
         [one] if one.terms.len() > 1 => (Verdict::OneOf, Some(Reason::Terms)),
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
+        [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),
     };
-    Ok(())
 }
 
 /// How the recordings are followed without a law and with this one.

@@ -129,7 +129,7 @@ impl<'a> Session<'a> {
     pub fn carried(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>]) -> Vec<Carried> {
         let each = terms.iter().zip(numbers).enumerate().map(|(i, (term, numbers))| {
             let most = numbers[..term.components].iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-            term.carried(self.host, &response.ranges, i, REACH * most.max(1e-9))
+            term.carried(self.host, &response.ranges, i, REACH * if most > 0.0 { most } else { 1e-9 })
         });
         each.collect()
     }

@@ -104,6 +104,8 @@ impl Range {
 
 /// Frequencies of a search: one for every half turn within the range.
 const FREQUENCIES: u32 = 28;
+/// The greatest exponent of a power.
+const MOST_EXPONENT: f64 = 8.0;
 /// Exponents of a search, of positive variables and of signed ones.
 const EXPONENTS: [f64; 8] = [-3.0, -2.0, -1.0, 0.5, 1.0, 1.5, 2.0, 3.0];
 const ODD_EXPONENTS: [f64; 5] = [0.5, 1.0, 1.5, 2.0, 3.0];
@@ -195,8 +197,8 @@ impl Shape {
     pub(super) fn bounds(self, place: usize, range: &Range) -> (f64, f64) {
         let (span, greatest) = (range.span(), range.greatest.max(f64::MIN_POSITIVE));
         match self.roles()[place] {
-            Role::Exponent if self == Self::OddPower => (0.2, 4.5),
-            Role::Exponent => (-4.5, 4.5),
+            Role::Exponent if self == Self::OddPower => (0.2, MOST_EXPONENT),
+            Role::Exponent => (-MOST_EXPONENT, MOST_EXPONENT),
             Role::Scale => (0.003 * greatest, 40.0 * greatest),
             Role::Place if self == Self::Window => (-1e9, 1e9),
             Role::Place => (range.low - 2.0 * span, range.high + 2.0 * span),
