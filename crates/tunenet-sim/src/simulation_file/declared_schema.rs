@@ -99,7 +99,7 @@ pub const COEFFICIENT_KEYS: &[Key] = &[
     key("max", ANY, true, "greatest value that is fitted"),
     key(
         "typical",
-        Shape::Number(1e-12, GREATEST),
+        Shape::Number(1e-100, GREATEST),
         true,
         "how far from `absent` fits begin; a formula's number may leave it out",
     ),

@@ -36,6 +36,9 @@ pub enum Shape {
     Anything,
 }
 
+/// Smaller bounds are written with a power of ten.
+const TINY: f64 = 1e-6;
+
 impl Shape {
     /// What to write, in words.
     #[must_use]
@@ -84,10 +87,15 @@ impl Shape {
 
 fn range(min: f64, max: f64) -> String {
     match (min.abs() <= GREATEST, max.abs() <= GREATEST) {
-        (true, true) => format!("from {min} to {max}"),
-        (true, false) => format!("from {min} up"),
+        (true, true) => format!("from {} to {max}", bound(min)),
+        (true, false) => format!("from {} up", bound(min)),
         _ => "of any size".into(),
     }
+}
+
+/// A bound as a person writes it: with a power of ten where it is tiny.
+fn bound(value: f64) -> String {
+    if value != 0.0 && value.abs() < TINY { format!("{value:e}") } else { value.to_string() }
 }
 
 /// A TOML number, whole or not.

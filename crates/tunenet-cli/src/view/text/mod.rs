@@ -223,14 +223,22 @@ pub fn list(lead: &str, items: &[String]) -> String {
 
 /// No measurement of a ball is worth more digits.
 const MOST_DECIMALS: f64 = 8.0;
+const SMALL: f64 = 1e-4;
 
 /// A number with as many decimals as two digits of its uncertainty need.
 pub fn rounded(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
         return with_decimals(value, 6);
     }
+    let decimals = 1.0 - half_width.log10().floor();
+    // Smaller numbers are written with a power of ten.
+    if decimals > MOST_DECIMALS && value != 0.0 && value.abs() < SMALL {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let digits = (decimals + value.abs().log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
+        return format!("{value:.digits$e}");
+    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
+    let decimals = decimals.clamp(0.0, MOST_DECIMALS) as usize;
     with_decimals(value, decimals)
 }
 
