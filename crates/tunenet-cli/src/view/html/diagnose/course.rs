@@ -33,7 +33,7 @@ pub fn courses(member: &Member, members: &[Member]) -> Markup {
                         "recordings themselves in a range of the variable: the law there, and what the recordings ask for beyond it on average. "
                         "Its width is the range, its height the 95 % interval of the noise; parameters and initial states are those of the fit. "
                         "The scale covers 98 % of what was visited."
-                        @if drawn.iter().any(|(_, others)| !others.is_empty()) { " Dotted: the other laws of the answer." }
+                        @if drawn.iter().any(|(_, others)| !others.is_empty()) { " Dotted: the other laws of the answer, where they lie on this scale; each has fitted parameters of its own." }
                     }
                 }
                 @if undetermined { p.how { "Where there is no cross, the recordings do not determine the force in single ranges." } }
@@ -61,6 +61,9 @@ fn drawing(course: &Course, others: &[&Course]) -> Markup {
     let (least, greatest) = ends(&|s| s.value);
     let room = ROOM * (greatest - least).max(0.5 * greatest.abs().max(least.abs()));
     let within = |v: f64| v.clamp(least - room, greatest + room);
+    // A law with other parameters of the simulator may have quite another force.
+    let is_near = |other: &&&Course| other.curve.iter().all(|s| s.value == within(s.value));
+    let others: Vec<&&Course> = others.iter().filter(is_near).collect();
     let rivals = others.iter().flat_map(|other| other.curve.iter().map(|s| s.value));
     let intervals = course.curve.iter().chain(course.bins.iter().map(|bin| &bin.estimate));
     let reached = intervals.flat_map(|s| [s.value, s.interval95.0, s.interval95.1]).chain(rivals).map(within);
@@ -74,7 +77,7 @@ fn drawing(course: &Course, others: &[&Course]) -> Markup {
     high.reverse();
     svg.path("band bare", &[low, high].concat(), true);
     let title = panel.x.title(&course.variable, &course.variable_unit);
-    panel.frame(&mut svg, Some(&title), &panel.y.title("acceleration", &course.unit));
+    panel.frame(&mut svg, Some(&title), &panel.y.title("law", &course.unit));
     if panel.y.low() < 0.0 && panel.y.high() > 0.0 {
         panel.level(&mut svg, "zero", 0.0);
     }
