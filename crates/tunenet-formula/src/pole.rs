@@ -28,12 +28,19 @@ impl Formula {
         let quotients = self.tree().collect(&mut |tree| Some(tree).filter(|tree| divides(tree)));
         for quotient in quotients {
             let Node::Call { function, arguments } = &quotient.node else { continue };
-            let by = if *function == Function::Divide { &arguments[1] } else { &arguments[0] };
             let mut factors = Vec::new();
-            gather(by, &mut factors);
+            match function {
+                Function::Divide => gather(&arguments[1], &mut factors),
+                // tan(x) is sin(x)/cos(x).
+                Function::Tan => {
+                    let node = Node::Call { function: Function::Cos, arguments: arguments.clone() };
+                    factors.push(Tree { node, place: quotient.place.clone() });
+                }
+                _ => gather(&arguments[0], &mut factors),
+            }
             let is_moving = |tree: &Tree| tree.any(&|node| matches!(node, Node::Name { index, .. } if moves(*index)));
             for factor in factors.into_iter().filter(|factor| is_moving(factor)) {
-                let (of, whole) = (Program::compile(factor)?, Program::compile(quotient)?);
+                let (of, whole) = (Program::compile(&factor)?, Program::compile(quotient)?);
                 all.push(Divisor { place: quotient.place.clone(), of, quotient: whole });
             }
         }
@@ -52,6 +59,11 @@ impl Divisor {
     fn has_pole_between(&self, from: &[f64], to: &[f64]) -> bool {
         let at = |share: f64| -> Vec<f64> { from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect() };
         let (first, last) = (self.of.value(from), self.of.value(to));
+        // What is 0/0 at the zero is finite next to it.
+        let size = |share: f64| self.quotient.value(&at(share)).abs();
+        if last == 0.0 && first != 0.0 {
+            return size(1.0 - NEAR) > GROWTH * size(0.0);
+        }
         if first * last >= 0.0 || !(first * last).is_finite() {
             return false;
         }
@@ -60,8 +72,6 @@ impl Divisor {
             let middle = 0.5 * (low + high);
             if self.of.value(&at(middle)) * first > 0.0 { low = middle } else { high = middle }
         }
-        // What is 0/0 at the zero is finite next to it.
-        let size = |share: f64| self.quotient.value(&at(share)).abs();
         let near = size(low - NEAR).min(size(high + NEAR));
         near > GROWTH * size(0.0).max(size(1.0))
     }
@@ -70,7 +80,7 @@ impl Divisor {
 /// Whether a node divides by what may vanish.
 fn divides(tree: &Tree) -> bool {
     match &tree.node {
-        Node::Call { function: Function::Divide, .. } => true,
+        Node::Call { function: Function::Divide | Function::Tan, .. } => true,
         Node::Call { function: Function::Power, arguments } => {
             crate::check::number(&arguments[1]).is_none_or(|exponent| exponent < 0.0)
         }
@@ -79,13 +89,13 @@ fn divides(tree: &Tree) -> bool {
 }
 
 /// The factors of a divisor whose zero is one of it.
-fn gather<'a>(tree: &'a Tree, into: &mut Vec<&'a Tree>) {
+fn gather(tree: &Tree, into: &mut Vec<Tree>) {
     match &tree.node {
         Node::Call { function: Function::Multiply, arguments } => arguments.iter().for_each(|one| gather(one, into)),
         Node::Call { function: Function::Power | Function::Negate | Function::Abs | Function::Sqrt, arguments } => {
             gather(&arguments[0], into);
         }
-        _ => into.push(tree),
+        _ => into.push(tree.clone()),
     }
 }
 
@@ -108,6 +118,11 @@ mod tests {
         assert_eq!(passes("(x - 0.5)^(-2)", 0.4, 0.6).unwrap(), "(x - 0.5)^(-2)");
         assert_eq!(passes("k/abs(k*x)", -0.1, 0.2).unwrap(), "k/abs(k*x)");
         assert_eq!(passes("k/(x - 0.5)", 0.6, 0.8), None);
+        assert_eq!(passes("2 + tan(k*x)", 0.5, 0.55).unwrap(), "tan(k*x)");
+        assert_eq!(passes("tan(k*x)", 0.6, 0.7), None);
+        // A pole that lies on the later instant.
+        assert_eq!(passes("k/(x - 0.5)", 0.4, 0.5).unwrap(), "k/(x - 0.5)");
+        assert_eq!(passes("k/(x - 0.5)", 0.5, 0.6), None);
     }
 
     /// sin(x)/x is 1 at 0, and 1/√|x| can be integrated over it.
