@@ -13,6 +13,8 @@ const FAR: f64 = 2.0;
 const STEP: f64 = 0.5;
 const MOST: usize = 12;
 const ENOUGH: f64 = 0.05;
+/// How many multiples of one half on each side of an exponent are compared with it.
+const NEIGHBOURS: i32 = 3;
 
 /// The law with the exponent to which the information criterion rises.
 pub(super) fn profiled(session: &Session, response: &Response, law: Law) -> Law {
@@ -32,30 +34,78 @@ pub(super) fn profiled(session: &Session, response: &Response, law: Law) -> Law 
     best
 }
 
-/// Laws near the best with a rounded exponent of a variable that is far from 1, with that exponent free: a linear search sees little of
-/// other exponents there.
-pub(super) fn opened(session: &Session, response: &Response, laws: &[Law], margin: f64) -> Vec<Law> {
+/// Of laws near the best with a power of a variable that is far from 1: the law with that exponent free, and with every multiple of one half
+/// near the best one. A linear search sees little of other exponents there.
+pub(super) fn profile(session: &Session, response: &Response, laws: &[Law], margin: f64) -> Vec<Law> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    let near = laws.iter().filter(|law| law.bic >= best - margin);
-    let one = |law: &Law| {
-        let [term] = law.terms.as_slice() else { return None };
-        let (numbers, free) = (law.numbers(), term.opened());
-        let mut own = numbers[0].clone();
-        let mut at = term.components;
-        for factor in &term.factors {
-            if let Some(value) = factor.rounded {
-                own.insert(at, value);
-            }
-            at += factor.shape.roles().len();
+    let mut found: Vec<Law> = Vec::new();
+    for law in laws.iter().filter(|law| law.bic >= best - margin) {
+        let Some((term, numbers)) = opened(law) else { continue };
+        let is_known = |all: &[Law], term: &Term| {
+            all.iter().any(|one| is_same(&one.terms, std::slice::from_ref(term)) && one.bic >= best - margin)
+        };
+        // Whether its variable is far from 1 at all, and each form once.
+        if moved(std::slice::from_ref(&term), std::slice::from_ref(&numbers), &response.ranges, 0.0).is_none()
+            || is_known(&found, &term)
+        {
+            continue;
         }
-        // Whether its variable is far from 1 at all.
-        moved(std::slice::from_ref(&free), std::slice::from_ref(&own), &response.ranges, 0.0)?;
-        let known =
-            laws.iter().any(|other| is_same(&other.terms, std::slice::from_ref(&free)) && other.bic >= best - margin);
-        let fitted = (!known && free != *term).then(|| session.on(response, &[free], &[own], law.fit.point.clone()));
-        fitted.flatten().map(|law| profiled(session, response, law))
-    };
-    near.filter_map(one).collect()
+        let Some(free) = session.on(response, &[term], &[numbers], law.fit.point.clone()) else { continue };
+        let free = profiled(session, response, free);
+        for (term, numbers) in rounded(&free.terms[0], &free.numbers()[0], &response.ranges) {
+            if !is_known(laws, &term) {
+                found.extend(session.on(response, &[term], &[numbers], free.fit.point.clone()));
+            }
+        }
+        found.push(free);
+    }
+    found
+}
+
+/// A law of one term with every exponent free, and its numbers; nothing where it has two.
+fn opened(law: &Law) -> Option<(Term, Vec<f64>)> {
+    let [term] = law.terms.as_slice() else { return None };
+    let mut numbers = law.numbers()[0].clone();
+    let mut at = term.components;
+    for factor in &term.factors {
+        if let Some(value) = factor.rounded {
+            numbers.insert(at, value);
+        }
+        at += factor.shape.roles().len();
+    }
+    Some((term.opened(), numbers))
+}
+
+/// A term with its first open exponent of a variable far from 1 at every multiple of one half near its value.
+fn rounded(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f64>)> {
+    let mut at = term.components;
+    for (f, factor) in term.factors.iter().enumerate() {
+        if factor.shape.is_power() && factor.rounded.is_none() && is_far(&ranges[factor.variable]) {
+            let nearest = 2.0 * numbers[at];
+            let multiples = (-NEIGHBOURS..=NEIGHBOURS).map(|k| 0.5 * (nearest.round() + f64::from(k)));
+            let (low, high) = factor.shape.bounds(0, &ranges[factor.variable]);
+            let one = |value: f64| {
+                let by = value - numbers[at];
+                let mut moved = moved(std::slice::from_ref(term), &[numbers.to_vec()], ranges, by)?.remove(0);
+                moved.remove(at);
+                let mut term = term.clone();
+                term.factors[f].rounded = Some(value);
+                Some((term, moved))
+            };
+            return multiples.filter(|value| *value != 0.0 && (low..=high).contains(value)).filter_map(one).collect();
+        }
+        at += factor.constants();
+    }
+    Vec::new()
+}
+
+/// The middle of what was visited.
+fn middle(range: &Range) -> f64 {
+    if range.low > 0.0 { (range.low * range.high).sqrt() } else { 0.5 * range.greatest }
+}
+
+fn is_far(range: &Range) -> bool {
+    middle(range).ln().abs() > FAR
 }
 
 /// The numbers with the first open exponent of a variable far from 1 moved, and its coefficients so that the force in the middle stays;
@@ -66,11 +116,10 @@ fn moved(terms: &[Term], numbers: &[Vec<f64>], ranges: &[Range], by: f64) -> Opt
         let mut at = term.components;
         for factor in &term.factors {
             let range = &ranges[factor.variable];
-            let middle = if range.low > 0.0 { (range.low * range.high).sqrt() } else { 0.5 * range.greatest };
-            if factor.shape.is_power() && factor.rounded.is_none() && middle.ln().abs() > FAR {
+            if factor.shape.is_power() && factor.rounded.is_none() && is_far(range) {
                 let (low, high) = factor.shape.bounds(0, range);
                 let exponent = (own[at] + by).clamp(low, high);
-                let scale = middle.powf(own[at] - exponent);
+                let scale = middle(range).powf(own[at] - exponent);
                 own[at] = exponent;
                 own[..term.components].iter_mut().for_each(|coefficient| *coefficient *= scale);
                 return scale.is_normal().then_some(all);
@@ -99,5 +148,20 @@ mod tests {
         let rounded = Factor { rounded: Some(2.0), ..Factor::new(Shape::Power, 0) };
         let rounded = [Term::new(0, 1, vec![rounded])];
         assert!(moved(&rounded, &[vec![2.0]], &range(400.0, 625.0), 0.5).is_none());
+    }
+
+    /// Of 3.9, whose force in the middle is 1.25: 2.5 to 5.5, each with the same.
+    #[test]
+    fn neighbours_are_multiples_of_one_half_with_the_force_in_the_middle() {
+        let range = [Range { low: 400.0, high: 625.0, least: 400.0, greatest: 625.0 }];
+        let power = Term::new(0, 1, vec![Factor::new(Shape::Power, 0)]);
+        let found = rounded(&power, &[1.25 * 500.0_f64.powf(-3.9), 3.9], &range);
+        let exponents: Vec<f64> = found.iter().filter_map(|(term, _)| term.factors[0].rounded).collect();
+        assert_eq!(exponents, [2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5]);
+        for ((_, numbers), p) in found.iter().zip(exponents) {
+            assert!(numbers.len() == 1 && (numbers[0] * 500.0_f64.powf(p) - 1.25).abs() < 1e-9, "{found:?}");
+        }
+        let near = [Range { low: 0.5, high: 3.0, least: 0.5, greatest: 3.0 }];
+        assert!(rounded(&power, &[2.0, 1.9], &near).is_empty());
     }
 }

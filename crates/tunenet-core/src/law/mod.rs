@@ -151,7 +151,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         return Ok(none(Verdict::None, None));
     }
     let (laws, around) = explore(&mut session, base, settings.margin);
-    let rival = if settings.rival.is_empty() { None } else { session.rival(&settings.rival) };
+    let rival = if settings.rival.is_empty() { None } else { session.rival(&settings.rival, laws.first()) };
     let rival_bic_gain = rival.as_ref().map(|rival| rival.bic);
     if laws.first().is_none_or(|best| best.score <= settings.margin) {
         let reason =
@@ -174,7 +174,7 @@ fn conclude(
     (settings, most): (&Settings, usize),
     answer: &mut Answer,
 ) {
-    laws.extend(exponent::opened(session, response, &laws, settings.margin));
+    laws.extend(exponent::profile(session, response, &laws, settings.margin));
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let found = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
         // Beyond the share of the search laws stand as they were fitted so far, and none alone.

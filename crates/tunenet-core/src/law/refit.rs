@@ -228,8 +228,8 @@ impl<'a> Session<'a> {
     }
 
     /// What effects of the catalogue leave of the same recordings, fitted from what a diagnosis found, or from typical values where their
-    /// number is another.
-    pub fn rival(&self, named: &[Named]) -> Option<Rival> {
+    /// number is another; parameters and initial states begin where those of the base model are, and where those of a law are.
+    pub fn rival(&self, named: &[Named], law: Option<&Law>) -> Option<Rival> {
         let base = self.host.carrying(&[]).ok()?;
         let names: Vec<&str> = named.iter().map(|one| one.name.as_str()).collect();
         let simulator = base.with_effects(&names).ok()?;
@@ -237,18 +237,23 @@ impl<'a> Session<'a> {
         let known = base.parameters().len();
         let all = simulator.parameters();
         let free: Vec<usize> = free(base.parameters(), self.recordings).into_iter().chain(known..all.len()).collect();
-        let mut start = self.base.point.clone();
-        let more = all.len() - start.parameters.len();
+        let more = all.len() - known;
         let found: Vec<f64> = named.iter().flat_map(|one| one.values.iter().copied()).collect();
         let found = if found.len() == more { found.as_slice() } else { &[] };
         let typical = |p: &Parameter| p.value + 1e-3 * p.span();
         let at = |(i, p): (usize, &Parameter)| found.get(i).copied().unwrap_or_else(|| typical(p)).clamp(p.min, p.max);
-        start.parameters.extend(all[known..].iter().enumerate().map(at));
+        let coefficients: Vec<f64> = all[known..].iter().enumerate().map(at).collect();
+        let start = |of: &Point| {
+            let own = of.parameters[..known].iter().chain(&coefficients);
+            Point { parameters: own.copied().collect(), nuisances: of.nuisances.clone() }
+        };
+        let starts = std::iter::once(&self.base.point).chain(law.map(|law| &law.fit.point)).map(start);
         let own = RolloutLog::default();
         let problem = self.problem(simulator.as_ref(), &free, Some(&own));
-        let fit = problem.fit(start, 1.0);
+        let fits = starts.filter_map(|start| problem.fit(start, 1.0).ok());
+        let fit = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
         self.log.add(own.count());
-        let fit = fit.ok()?;
+        let fit = fit?;
         let gain = price::likelihood(self.count, self.squares, counted(&fit));
         Some(Rival { bic: price::bic(gain, self.count, more), residuals: fit.residuals })
     }
