@@ -138,3 +138,22 @@ fn a_law_that_is_a_declared_jet_bears_its_name() {
     );
     assert!(folder.text("improved.toml").contains("[effects.jet]"), "{json:#}");
 }
+
+/// A step of a flight looks through the surface, below which a broken power of the height has no value.
+#[test]
+fn a_broken_power_of_the_height_is_a_law() {
+    let folder = recorded(|_, _, x, _| [0.0, 1.2 * x[2].max(0.0).powf(1.5), -9.81]);
+    let json = folder.run(LINE).json();
+    assert!(["law", "one_of"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
+    let is = |member: &serde_json::Value| {
+        let term = &member["terms"][0];
+        let interval = &term["factors"][0]["constants"][0]["interval95"];
+        term["directions"] == serde_json::json!(["y"])
+            && term["factors"].as_array().unwrap().len() == 1
+            && interval[0].as_f64().is_some_and(|low| low <= 1.5)
+            && interval[1].as_f64().is_some_and(|high| high >= 1.5)
+    };
+    assert!(json["law"]["members"].as_array().unwrap().iter().any(is), "{json:#}");
+    let simulated = "simulate --sim improved.toml --set release.position_m=[0,0,1] --out again.csv";
+    folder.run(simulated).ends(0);
+}
