@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::answer::Gates;
 use super::evidence::{Shared, residual_force};
-use super::found::WIDER;
 use super::information::{said, scaled};
+use super::price::WIDER;
 use super::refit::{Law, Session, robust_squares};
 use super::response::{Fitted, Response, inverse_root, root};
 use crate::Result;

@@ -9,8 +9,7 @@ use std::f64::consts::PI;
 
 use super::answer::Member;
 use super::forms::{is_same, nests};
-use super::found::WIDER;
-use super::price;
+use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::Response;
 use super::shape::{Range, Role};

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::found::WIDER;
+use super::price::WIDER;
 use super::refit::{Law, Session};
 use super::response::{Column, Response};
 use super::term::Term;

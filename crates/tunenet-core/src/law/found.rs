@@ -2,7 +2,7 @@
 
 use super::answer::{FoundTerm, Gates, Member, Number, Rounded};
 use super::course::courses;
-use super::price;
+use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::{Response, ranges};
 use super::shape::Shape;
@@ -12,8 +12,6 @@ use crate::Result;
 use crate::simulator::{Prepared, predict};
 use crate::statistics::NORMAL_95;
 
-/// How much wider than their standard deviations intervals are: what the choice of the form adds, as measured on known laws.
-pub(super) const WIDER: f64 = 1.15;
 /// How far beyond the range in which a law was seen its rollouts have to stay finite.
 const BEYOND: f64 = 1.5;
 /// A value beyond so many times the greatest that was measured is no longer bounded.
