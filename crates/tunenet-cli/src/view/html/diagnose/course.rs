@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use tunenet_core::law::{Course, Member, Sample};
+use tunenet_core::statistics::extent;
 
 use crate::view::html::axis::Axis;
 use crate::view::html::panel::{ABOVE, BELOW, Panel, left_edge};
@@ -12,7 +13,7 @@ const HEIGHT: f64 = 270.0;
 /// How far intervals may widen the scale beyond what the law covers, in units of that.
 const ROOM: f64 = 0.8;
 
-/// Each course of one of `members`, what is drawn said with the first.
+/// The charts of one of `members`; the first one has the legend.
 pub fn courses(member: &Member, members: &[Member]) -> Markup {
     let others = |course: &Course| -> Vec<&Course> {
         let all = members.iter().filter(|other| !std::ptr::eq(*other, member)).flat_map(|other| &other.courses);
@@ -53,12 +54,8 @@ fn caption(course: &Course) -> String {
 }
 
 fn drawing(course: &Course, others: &[&Course]) -> Markup {
-    let ends = |get: &dyn Fn(&Sample) -> f64| {
-        let all = course.curve.iter().map(get);
-        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-    };
-    let (first, last) = ends(&|s| s.at);
-    let (least, greatest) = ends(&|s| s.value);
+    let (first, last) = extent(course.curve.iter().map(|s| s.at));
+    let (least, greatest) = extent(course.curve.iter().map(|s| s.value));
     let room = ROOM * (greatest - least).max(0.5 * greatest.abs().max(least.abs()));
     let within = |v: f64| v.clamp(least - room, greatest + room);
     // A law with other parameters of the simulator may have quite another force.
