@@ -1,5 +1,5 @@
 //! Partial residuals (Ezekiel 1924) of a law along a variable: in each range of the variable the acceleration that the recordings ask for,
-//! whatever the form of the law.
+//! of any form.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;

@@ -40,6 +40,9 @@ pub(super) fn profile(session: &Session, response: &Response, laws: &[Law], marg
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let mut found: Vec<Law> = Vec::new();
     for law in laws.iter().filter(|law| law.bic >= best - margin) {
+        if !session.within() {
+            break;
+        }
         let Some((term, numbers)) = opened(law) else { continue };
         let is_known = |all: &[Law], term: &Term| {
             all.iter().any(|one| is_same(&one.terms, std::slice::from_ref(term)) && one.bic >= best - margin)
