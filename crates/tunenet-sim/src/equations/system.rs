@@ -14,6 +14,7 @@ use super::law::{LawTerm, Quantity, Reach};
 use super::lower::Lowering;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 use super::valid;
+use crate::formula_effect::probe;
 use crate::scene::{Candidate, EquationsScene};
 
 /// Most of each: states, events, inputs.
@@ -182,9 +183,7 @@ impl System {
         for ((name, candidate), adds) in scene.candidates.iter().zip(&self.candidates) {
             for (term, state) in adds.terms.iter().zip(candidate.adds.keys()) {
                 for point in 0..3_u32 {
-                    let mut values: Vec<f64> = (0..self.slots.count)
-                        .map(|i| 0.4 + 1.2 * (0.618 * (i as f64 + 1.0) + 0.27 * f64::from(point)).fract())
-                        .collect();
+                    let mut values: Vec<f64> = (0..self.slots.count).map(|i| probe(i, point)).collect();
                     values[self.slots.constants.clone()].copy_from_slice(&self.constants);
                     values[adds.coefficients.clone()].copy_from_slice(&adds.absent);
                     self.fix(&mut values);

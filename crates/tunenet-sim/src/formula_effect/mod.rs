@@ -221,14 +221,18 @@ fn formula(candidate: &Candidate, variables: &[(&str, &str)], directions: usize)
     Ok((formula, Layout::new(directions, each)))
 }
 
+/// A value between 0.4 and 1.6 at which a formula is tried for its name at position `i`: another one for every name and every `point`.
+pub(crate) fn probe(i: usize, point: u32) -> f64 {
+    0.4 + 1.2 * (0.618 * (i as f64 + 1.0) + 0.27 * f64::from(point)).fract()
+}
+
 /// Refuses a formula that gives something although its coefficients have their absent values.
 fn absent_is_nothing(candidate: &Candidate, formula: &Formula, variables: usize) -> Result<(), Misfit> {
     if candidate.coefficients.values().all(|one| one.absent.is_none()) {
         return Ok(());
     }
     for point in 0..3_u32 {
-        let spread = |i: usize| 0.4 + 1.2 * (0.618 * (i as f64 + 1.0) + 0.27 * f64::from(point)).fract();
-        let mut values: Vec<f64> = (0..variables).map(spread).collect();
+        let mut values: Vec<f64> = (0..variables).map(|i| probe(i, point)).collect();
         values.extend(candidate.coefficients.values().map(|one| candidate.absent(one)));
         let given = formula.program().value(&values);
         if given.is_finite() && given.abs() > 1e-12 {
