@@ -1,6 +1,5 @@
 //! Forward selection with swaps and backward elimination by the Bayesian information criterion (Schwarz 1978).
 
-use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
@@ -10,6 +9,7 @@ use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
 use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::estimate::information_criterion::p_value;
+use crate::{Error, Result};
 
 /// A swap may open the way to another; each is better than the one before.
 const MOST_SWAPS: usize = 6;
@@ -273,6 +273,21 @@ fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64
     (gain(context, before, after, scale), p.min(1.0))
 }
 
+/// `None` where the simulator refuses the effects of a hypothesis: a formula may divide by 0 without the effects it came with.
+fn simulated<T>(fitted: Result<T>) -> Result<Option<T>> {
+    match fitted {
+        Err(Error::Simulator { .. }) => Ok(None),
+        fitted => fitted.map(Some),
+    }
+}
+
+/// What takes the place of effects that cannot be judged one by one: the best effect that is simulated without others.
+fn best_alone<'a>(context: &Context<'a>, alone: &[CandidateFit<'a>]) -> Result<Revision<'a>> {
+    let fitted = alone.iter().filter(|candidate| candidate.excluded.is_none()).find_map(|one| one.model.as_ref());
+    let model = fitted.map(|model| model.again(context)).transpose()?;
+    Ok(Revision::Replaced(model.map(Box::new)))
+}
+
 /// For each effect: its gain, and what explains as much in its place; or a better hypothesis, one effect swapped or removed.
 /// Steps that were scored are found in `steps`, others are added there.
 fn judge_selected<'a>(
@@ -287,7 +302,9 @@ fn judge_selected<'a>(
         let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
         if !others.is_empty() && !needs_no_evidence(context, entry) && is_idle(model, entry) {
             // It may have led the others out of a local minimum, and is not needed there.
-            let without = context.fit_near(&others, model)?;
+            let Some(without) = simulated(context.fit_near(&others, model))? else {
+                return best_alone(context, alone);
+            };
             if worth(context, &without, model).0 < least_gain(context, effects.len()) {
                 return Ok(Revision::Replaced(Some(Box::new(without))));
             }
@@ -295,7 +312,9 @@ fn judge_selected<'a>(
         let (without, candidates) = if others.is_empty() {
             (base, alone)
         } else {
-            let step = SelectionStep::of(context, steps, &others, model)?;
+            let Some(step) = simulated(SelectionStep::of(context, steps, &others, model))? else {
+                return best_alone(context, alone);
+            };
             (&step.model, step.candidates.as_slice())
         };
         let (gain, p_value) = worth(context, without, model);
