@@ -172,3 +172,19 @@ fn logs_that_are_broken_get_one_sentence() {
         assert!(matches!(ran.code, Some(1 | 3)) && ran.stderr.contains(said), "{name}: {:?}\n{}", ran.code, ran.stderr);
     }
 }
+
+/// An arm that draws a circle has rigid bodies alone: an effect or candidate that it would ignore is refused.
+#[test]
+fn effects_of_a_circle_are_refused() {
+    let effect = "[effects.viscous_friction]\nnms_rad = [0.1]\n";
+    let candidate = "[candidates.cable]\nsentence = \"a cable pulls at twice the angle\"\nacts = \"joint\"\njoints = [\"hinge\"]\n\
+                     formula = \"k * sin(2*q_rad)\"\ncoefficients.k = { unit = \"N·m\", absent = 0.0, min = -9.0, max = 9.0 }\n";
+    for (more, name) in [(effect, "`effects.viscous_friction`"), (candidate, "`candidates.cable`")] {
+        let folder = folder();
+        let scene = folder.text("arm.toml");
+        assert!(scene.contains("kind = \"replay\""), "{scene}");
+        folder.write("arm.toml", format!("{}\n{more}", scene.replace("kind = \"replay\"", "kind = \"circle\"")));
+        let ran = folder.run("simulate --sim arm.toml --out run.csv").ends(1);
+        assert!(ran.stderr.contains(name) && ran.stderr.contains("motion.kind"), "{}", ran.stderr);
+    }
+}

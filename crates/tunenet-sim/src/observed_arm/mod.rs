@@ -9,6 +9,7 @@ mod rollout;
 
 use std::path::{Path, PathBuf};
 
+use toml_edit::Item;
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, RolloutResult, Simulator};
 use tunenet_formats::{Error, Result};
@@ -49,6 +50,7 @@ impl ObservedArm {
             let message = "`motion.kind`: expected \"circle\", found \"replay\", which this command cannot simulate";
             return Err(Error::file(file.path(), message, "set motion.kind to \"circle\""));
         }
+        has_rigid_bodies_alone(file)?;
         let (model, link) = arm(file)?;
         let circle = scene.motion.circle();
         let motion =
@@ -92,6 +94,19 @@ impl ObservedArm {
         let count = (self.motion.duration_s() * rate_hz + 1e-9).floor() as usize;
         (0..=count).map(|i| i as f64 / rate_hz).collect()
     }
+}
+
+/// Refuses effects and candidates, which this arm does not simulate.
+fn has_rigid_bodies_alone(file: &SimulationFile) -> Result<()> {
+    for table in ["effects", "candidates"] {
+        let Some((name, _)) = file.item(table).and_then(Item::as_table_like).and_then(|all| all.iter().next()) else {
+            continue;
+        };
+        let message = format!("`{table}.{name}`: an arm with motion.kind = \"circle\" simulates no {table}");
+        let hint = format!("set motion.kind to \"replay\", or remove [{table}.{name}]");
+        return Err(Error::file(file.path(), message, hint));
+    }
+    Ok(())
 }
 
 /// The chain from the base to the payload's link, which every motion of the arm shares, and that link among its frames.
