@@ -7,19 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use tunenet_cli::{Common, Detail, Sharing, jobs};
 
-pub const EXAMPLES: &str = "\
-Examples:
-  tunenet bench speed
-  tunenet bench speed --json
-  tunenet bench tuning --quick --only easy-0 easy-2cm
-  tunenet bench diagnose --quick --only clean ratio-10
-  tunenet bench diagnose --shard 0/8        one of eight shards; `tunenet merge` combines them
-All but `speed`, `rollouts`, `recorded` and `grow` resume an interrupted run when the same command is given again.";
+use crate::examples;
 
 /// Run the benchmarks
 #[derive(Debug, Parser)]
 #[command(name = "tunenet-bench", bin_name = "tunenet bench", version, about, max_term_width = 100)]
-#[command(propagate_version = true, arg_required_else_help = true, after_help = EXAMPLES)]
+#[command(propagate_version = true, arg_required_else_help = true, after_help = examples::ALL)]
 pub struct Arguments {
     /// Benchmark to run
     #[command(subcommand)]
@@ -57,71 +50,44 @@ pub enum Command {
 #[serde(rename_all = "snake_case")]
 pub enum Measured {
     /// Rollouts, training and tuning per second
+    #[command(after_help = examples::SPEED)]
     Speed(BenchSpeed),
     /// Tuning error over rollouts, compared with other methods and the Cramér–Rao bound
+    #[command(after_help = examples::TUNING)]
     Tuning(BenchTuning),
     /// Accuracy of `diagnose` on synthetic recordings
+    #[command(after_help = examples::DIAGNOSE)]
     Diagnose(BenchDiagnose),
     /// Accuracy of `diagnose --law` on synthetic recordings with a law in them
+    #[command(after_help = examples::LAW)]
     Law(BenchLaw),
     /// Accuracy of `diagnose` on synthetic runs of a robot joint
+    #[command(after_help = examples::JOINTS)]
     Joints(BenchJoints),
     /// Errors of `diagnose` on recordings of real joints, compared with published models
+    #[command(after_help = examples::RECORDED)]
     Recorded(BenchRecorded),
     /// Interval coverage and false-alarm rate of `tune`
+    #[command(after_help = examples::INTERVALS)]
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
+    #[command(after_help = examples::REGIONS)]
     Regions(BenchRegions),
     /// Rollouts of `tune`, compared with scipy and mujoco.sysid
+    #[command(after_help = examples::ROLLOUTS)]
     Rollouts(BenchRollouts),
     /// Detection and false-alarm rate of the recording checks
+    #[command(after_help = examples::PREFLIGHT)]
     Preflight(BenchPreflight),
     /// Reproduce the tables and figures of the paper
+    #[command(after_help = examples::PAPER)]
     Paper(BenchPaper),
     /// Success rate of shots planned from one video
+    #[command(after_help = examples::SHOT)]
     Shot(BenchShot),
     /// Scaling of data generation and training
+    #[command(after_help = examples::GROW)]
     Grow(BenchGrow),
-}
-
-/// How many are drawn of each kind by default: enough for shares of a percent, or to see that it works.
-fn drawn(asked: Option<u32>, quick: bool) -> u32 {
-    asked.unwrap_or(if quick { 100 } else { 1000 })
-}
-
-impl BenchPreflight {
-    /// Records of each kind.
-    pub fn count(&self) -> u32 {
-        drawn(self.records, self.quick)
-    }
-}
-
-impl BenchLaw {
-    /// Sets of each law.
-    pub fn count(&self) -> u64 {
-        self.sets.unwrap_or(if self.quick { 1 } else { 20 })
-    }
-}
-
-impl BenchJoints {
-    /// Sets of each effect at each ratio.
-    pub fn count(&self) -> u64 {
-        self.sets.unwrap_or(if self.quick { 1 } else { 20 })
-    }
-}
-
-impl BenchIntervals {
-    /// Drops in each cell.
-    pub fn count(&self) -> u32 {
-        drawn(self.drops, self.quick)
-    }
-}
-
-impl BenchRegions {
-    /// Recordings in each cell.
-    pub fn count(&self) -> u32 {
-        drawn(self.draws, self.quick)
-    }
 }
 
 /// A table or figure of the paper.

@@ -3,7 +3,9 @@
 //! A program of its own, so that the rivals and what they bring are no part of `tunenet`.
 
 mod args;
+mod counts;
 mod diagnose;
+mod examples;
 mod goals;
 mod grow;
 mod intervals;
