@@ -5,6 +5,7 @@
 mod args;
 mod counts;
 mod diagnose;
+mod equations_speed;
 mod examples;
 mod goals;
 mod grow;

@@ -16,6 +16,7 @@ use tunenet_sim::shot::{ArmReach, Belief, Rule, Settings, ShotScene, Task, plan}
 use super::process;
 use super::video_speed::VideoFigures;
 use crate::args::BenchSpeed;
+use crate::equations_speed;
 use crate::scene::{PAPER_BALL, SHOT, URDF};
 use tunenet_cli::exit_status::Exit;
 use tunenet_cli::view::answer;
@@ -95,6 +96,9 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let [nearest_s, probability_s] = [Rule::Nearest, Rule::Probability].map(|rule| plan_seconds(folder.path(), rule));
     let (nearest_s, probability_s) = (nearest_s?, probability_s?);
 
+    stage("rolling", "a pendulum as equations");
+    let pendulum = equations_speed::rollouts_per_second()?;
+
     let row = |what: &str, value: String| vec![what.to_string(), value];
     let mut rows = vec![
         row(
@@ -104,6 +108,10 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row(
             &format!("the same at the worst restitution, {worst_restitution:.2}"),
             format!("{:.2} M frames/s", worst / 1e6),
+        ),
+        row(
+            &format!("damped pendulum as equations, {} samples, one core", equations_speed::SAMPLES),
+            format!("{pendulum:.0} rollouts/s"),
         ),
         row("train, preset paper, 800 pairs, 200 epochs, one core", format!("{training_s:.2} s")),
         row("tune, K = 5, trained network, whole process", format!("{:.0} ms", tuning_s * 1e3)),
@@ -122,6 +130,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         print_json(&json!({
             "schema": "tunenet.bench.speed/1",
             "ball": { "mean_frames_s": mean, "worst_frames_s": worst, "worst_restitution": worst_restitution },
+            "equations": { "pendulum_rollouts_s": pendulum, "samples": equations_speed::SAMPLES },
             "train": { "preset": "paper", "pairs": 800, "epochs": 200, "seconds": training_s },
             "tune": { "iterations": 5, "process_seconds": tuning_s, "start_seconds": starting_s },
             "gen": { "pairs": 100_000, "seconds": many.seconds, "peak_bytes": many.peak_bytes },

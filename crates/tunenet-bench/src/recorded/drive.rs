@@ -71,7 +71,7 @@ pub fn rows(measured: &Path, folder: &Path) -> Result<Vec<Row>> {
 }
 
 /// The root mean square of the difference of two tables, m.
-fn open_loop(recording: &Path, simulated: &Path) -> Result<f64> {
+pub(super) fn open_loop(recording: &Path, simulated: &Path) -> Result<f64> {
     let (clock, seen) = (column(recording, "t_s")?, column(recording, "q_m")?);
     let pairs = paired((&clock, &seen), (&column(simulated, "t_s")?, &column(simulated, "q_m")?));
     let counted = pairs.get(SKIPPED..).context("expected more samples at the same instants")?;

@@ -3,6 +3,7 @@
 
 mod arm;
 mod drive;
+mod drive_equations;
 mod lagged;
 mod rollouts_per_second;
 mod servo;
@@ -54,7 +55,9 @@ pub fn run(options: &BenchRecorded) -> Result<Exit> {
     }
     if wanted(RecordedRow::Drive) {
         stage("diagnose", "the drive");
-        rows.extend(drive::rows(&measured.join("emps"), tempfile::tempdir()?.path())?);
+        let folder = tempfile::tempdir()?;
+        rows.extend(drive::rows(&measured.join("emps"), folder.path())?);
+        rows.push(drive_equations::row(&measured.join("emps/train.csv"), folder.path())?);
     }
     if wanted(RecordedRow::Arm) {
         stage("diagnose", "the arm");
