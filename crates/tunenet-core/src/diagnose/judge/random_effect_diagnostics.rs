@@ -4,6 +4,8 @@
 //! motion. True draws are symmetric about 0 and depend neither on their recording nor on the motion, so that a change of the sign
 //! of any of them does not change the distribution of their sums.
 
+use std::collections::BTreeSet;
+
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -18,7 +20,7 @@ const STEPS: usize = 3;
 
 /// One draw of a random effect.
 #[derive(Debug, Clone, PartialEq)]
-struct Draw {
+pub(in crate::diagnose) struct Draw {
     /// The number of its recording; held-out ones follow those that are fitted.
     recording: usize,
     /// Its two components.
@@ -27,9 +29,8 @@ struct Draw {
     velocity: Vec<f64>,
 }
 
-/// The least probability of sums as large as those of the draws of `model` if they were random: of the sum over each recording, and
-/// of that along the motion. 1 where nothing is drawn.
-pub(in crate::diagnose) fn p_value_of_draws(context: &Context, model: &Hypothesis, held_out: Option<&HeldOut>) -> f64 {
+/// The draws of `model`, of recordings that were fitted and of held-out ones.
+pub(in crate::diagnose) fn draws_of(context: &Context, model: &Hypothesis, held_out: Option<&HeldOut>) -> Vec<Draw> {
     let training = (&context.evidence.training, &model.fit.point.nuisances);
     let validation = held_out.map(|held_out| (&context.evidence.validation, &held_out.nuisances));
     let mut draws = Vec::new();
@@ -41,7 +42,14 @@ pub(in crate::diagnose) fn p_value_of_draws(context: &Context, model: &Hypothesi
             number += 1;
         }
     }
-    p_value(&draws, context.settings.seed)
+    draws
+}
+
+/// The least probability that [`p_value`] can find by the sums over recordings: of draws that all push their recording to one side.
+pub(in crate::diagnose) fn least_p_of_recordings(draws: &[Draw]) -> f64 {
+    let recordings: BTreeSet<usize> = draws.iter().map(|draw| draw.recording).collect();
+    // The first draw of a recording has either sign, the others have that sign.
+    (2.0 * 0.5_f64.powf((draws.len() - recordings.len()) as f64)).min(1.0)
 }
 
 /// The draws of one recording: its last nuisance parameters, two to each event.
@@ -62,9 +70,9 @@ fn velocities(recording: &PreparedRecording) -> Vec<Vec<f64>> {
     recording.events.iter().map(one).collect()
 }
 
-/// The lesser of two probabilities, doubled: that the squared sums over recordings, or those along the motion, are as large by
-/// chance.
-fn p_value(draws: &[Draw], seed: u64) -> f64 {
+/// The least probability of sums as large as those of these draws if they were random, of two, doubled: of the squared sums over
+/// recordings, and of those along the motion. 1 where nothing is drawn.
+pub(in crate::diagnose) fn p_value(draws: &[Draw], seed: u64) -> f64 {
     if draws.is_empty() {
         return 1.0;
     }
@@ -135,8 +143,23 @@ mod tests {
         assert!(drawn(3, |_, _, [a, b]| [a, b + 1.5]) < 0.01, "a mean that is not 0");
     }
 
+    /// Of two contacts in each of five recordings, every pair has one sign by chance in 1 of 32 cases; of four in each of three, in 1 of 512.
+    #[test]
+    fn few_draws_of_each_recording_are_not_distinguished_from_chance() {
+        let draws = |recordings: usize, each: usize| -> Vec<Draw> {
+            let one = |i: usize| Draw { recording: i / each, value: [1.0, 0.0], velocity: vec![0.0, 0.0, -3.0] };
+            (0..recordings * each).map(one).collect()
+        };
+        assert_eq!(least_p_of_recordings(&draws(5, 2)), 2.0 / 32.0);
+        assert_eq!(least_p_of_recordings(&draws(3, 4)), 2.0 / 512.0);
+        assert_eq!(least_p_of_recordings(&draws(8, 1)), 1.0);
+        let alone = |i: usize| Draw { velocity: vec![], ..draws(3, 4)[i].clone() };
+        let found = p_value(&(0..12).map(alone).collect::<Vec<_>>(), 7);
+        assert!((found - 2.0 / 512.0).abs() < 2e-3, "{found}");
+    }
+
     #[test]
     fn without_draws_nothing_is_said() {
-        assert_eq!(p_value(&[], 0), 1.0);
+        assert_eq!((p_value(&[], 0), least_p_of_recordings(&[])), (1.0, 1.0));
     }
 }

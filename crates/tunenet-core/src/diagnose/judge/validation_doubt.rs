@@ -9,7 +9,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, is_required};
 use crate::diagnose::judge::held_out_proof::HeldOut;
-use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
+use crate::diagnose::judge::random_effect_diagnostics::{draws_of, least_p_of_recordings, p_value};
 use crate::simulator::Text;
 
 /// The right effects leave of held-out recordings no more than this many times what they leave of those that were fitted. Over 600
@@ -45,6 +45,8 @@ pub enum Doubt {
     ForecastHardlyBetter,
     /// Draws of a random effect depend on their recording or on the motion.
     DrawsNotRandom,
+    /// Each recording has so few draws of a random effect next to others that no test shows whether they depend on it.
+    DrawsUntested,
     /// A random effect, which can imitate much, explains little.
     RandomAndWeak,
     /// So many effects are fitted to too few recordings.
@@ -107,6 +109,7 @@ impl fmt::Display for Doubt {
             Self::ForecastWorse => "the forecast of held-out recordings gets worse with it",
             Self::ForecastHardlyBetter => "few recordings show it, and something in no catalogue could look the same",
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
+            Self::DrawsUntested => "so few contacts in each recording do not show whether the deflections are random",
             Self::RandomAndWeak => "chance at contacts can imitate much, and explains little here",
             Self::ManyEffects => "so many effects can imitate another one in so few recordings",
             Self::Weak(effect) => return write!(f, "without {effect} the fit is hardly worse"),
@@ -179,11 +182,17 @@ pub(in crate::diagnose) fn validation_doubt(
     if let Some(weak) = found.selected.iter().find(weak).filter(|_| effects > 1) {
         return Some(Doubt::Weak(context.catalogue[weak.entry].name.clone()));
     }
-    if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
-        return Some(Doubt::DrawsNotRandom);
+    let (random, others): (Vec<_>, Vec<_>) = found.selected.iter().partition(|selected| is_random(selected));
+    if !random.is_empty() {
+        let draws = draws_of(context, best, after);
+        if p_value(&draws, context.settings.seed) < DRAWS_SIGNIFICANCE {
+            return Some(Doubt::DrawsNotRandom);
+        }
+        if !others.is_empty() && least_p_of_recordings(&draws) >= DRAWS_SIGNIFICANCE {
+            return Some(Doubt::DrawsUntested);
+        }
     }
     let share = |selected: &&SelectedEffect| context.catalogue[selected.entry].of[0].forecast_share;
-    let (random, others): (Vec<_>, Vec<_>) = found.selected.iter().partition(|selected| is_random(selected));
     // A random effect next to others takes up what they leave, and so hides that they are not the right ones.
     let share = if random.is_empty() || others.is_empty() {
         found.selected.iter().map(|selected| share(&selected)).fold(0.0, f64::max)
