@@ -155,7 +155,8 @@ mod tests {
         assert_eq!(least_p_of_recordings(&draws(8, 1)), 1.0);
         let alone = |i: usize| Draw { velocity: vec![], ..draws(3, 4)[i].clone() };
         let found = p_value(&(0..12).map(alone).collect::<Vec<_>>(), 7);
-        assert!((found - 2.0 / 512.0).abs() < 2e-3, "{found}");
+        // Three standard deviations of so many random changes of signs.
+        assert!((found - 2.0 / 512.0).abs() < 4.2e-3, "{found}");
     }
 
     #[test]
