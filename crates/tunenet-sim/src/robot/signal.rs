@@ -19,14 +19,19 @@ pub(super) struct Signal<'a> {
     delay_s: f64,
     /// How many samples lie at or before the end of the last step.
     at: usize,
+    /// The last piece between two samples that was read: `at` then, its end, and the value there.
+    read: (usize, f64, f64),
 }
+
+/// Nothing was read yet: no instant equals this one.
+const UNREAD: (usize, f64, f64) = (0, f64::NAN, 0.0);
 
 impl<'a> Signal<'a> {
     /// The first channel of `input`, read from the instant `start_s` on.
     pub fn new(input: &'a Input, start_s: f64, delay_s: f64) -> Self {
         let series = input.series();
         let (clock, values) = (Cow::Borrowed(series.clock()), Cow::Borrowed(series.values()));
-        Self { clock, values, hold: input.hold(), delay_s, at: 0 }.from(start_s)
+        Self { clock, values, hold: input.hold(), delay_s, at: 0, read: UNREAD }.from(start_s)
     }
 
     /// The commands in `input` as the joint takes them: scaled, and clipped to its range.
@@ -65,7 +70,7 @@ impl<'a> Signal<'a> {
 
     /// The same, read from this instant on.
     fn from(mut self, start_s: f64) -> Self {
-        self.at = self.clock.partition_point(|t| *t + self.delay_s <= start_s);
+        (self.at, self.read) = (self.clock.partition_point(|t| *t + self.delay_s <= start_s), UNREAD);
         self
     }
 
@@ -95,8 +100,11 @@ impl<'a> Signal<'a> {
             let next = self.clock.get(self.at).copied().unwrap_or(f64::INFINITY);
             let end = next.min(to);
             if end > from {
-                let first = self.value(from);
+                // A step begins where the one before it ended.
+                let (at, until, value) = self.read;
+                let first = if at == self.at && until == from { value } else { self.value(from) };
                 let last = if self.hold == Hold::Linear { self.value(end) } else { first };
+                self.read = (self.at, end, last);
                 piece(first, last, end - from);
                 from = end;
             }
@@ -105,6 +113,14 @@ impl<'a> Signal<'a> {
             }
             self.at += 1;
         }
+    }
+
+    /// Its value over a step that ends at `to_s`, where it is held and has no sample between them. Steps have to follow one another.
+    #[inline]
+    pub fn held(&self, to_s: f64) -> Option<f64> {
+        let next = self.clock.get(self.at).copied().unwrap_or(f64::INFINITY);
+        let held = self.hold == Hold::Previous && next > to_s - self.delay_s;
+        held.then(|| self.values[self.at.saturating_sub(1)])
     }
 
     /// Its mean from `from_s` to `to_s`. Steps have to follow one another.
@@ -197,6 +213,17 @@ mod tests {
         assert_eq!(signal.mean(0.0, 1.0), 0.0);
         assert_eq!(signal.mean(1.0, 1.5), 1.0);
         assert_eq!(signal.mean(1.5, 9.0), 2.0);
+    }
+
+    /// The mean of a step within one held sample is that sample, however the step is read.
+    #[test]
+    fn a_held_sample_is_read_without_its_mean() {
+        let input = input(Hold::Previous);
+        let mut signal = Signal::new(&input, 0.0, 0.25);
+        assert_eq!(signal.held(1.0), Some(0.0));
+        assert_eq!((signal.held(1.5), signal.mean(0.0, 1.25)), (None, 0.0));
+        assert_eq!((signal.held(1.5), signal.mean(1.25, 1.5)), (Some(2.0), 2.0));
+        assert_eq!(Signal::new(&self::input(Hold::Linear), 0.0, 0.0).held(0.5), None);
     }
 
     #[test]

@@ -38,7 +38,10 @@ impl<'a> Wire<'a> {
             (None, _) => 0.0,
         };
         let goal = self.lag.as_mut().map_or(goal, |lag| lag.mean(goal, to_s - from_s));
-        let on = self.enable.as_mut().map_or(1.0, |enable| enable.mean(from_s, to_s).clamp(0.0, 1.0));
+        let on = self.enable.as_mut().map_or(1.0, |enable| {
+            let mean = enable.held(to_s).unwrap_or_else(|| enable.mean(from_s, to_s));
+            mean.clamp(0.0, 1.0)
+        });
         Command { goal, on }
     }
 }
