@@ -204,3 +204,41 @@ fn a_radiating_body_has_an_exponent_whose_interval_holds_four() {
     assert!(members.is_empty() || members.iter().any(holds), "{json:#}");
     assert!(json["verdict"] != "law" || holds(&members[0]), "{json:#}");
 }
+
+/// Where a state is estimated, a simulation starts at its value, unless it replays a recording or the command line says where.
+#[test]
+fn a_simulation_starts_at_the_value_or_as_its_recording_shows() {
+    let folder = Folder::new();
+    let file = FILE.replace("value = 0.0\nmin = -20.0", "value = 0.8\nmin = -20.0");
+    folder.write("swing.toml", format!("{file}[record]\nrate_hz = 50.0\nframes = 200\n"));
+    let first_step = |line: &str| {
+        let said = folder.run(&format!("simulate --sim swing.toml {line} --out out.csv --overwrite")).ends(0).stderr;
+        let rows: Vec<f64> =
+            folder.text("out.csv").lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
+        ((rows[1] - rows[0]) / 0.02, said)
+    };
+    let (stated, said) = first_step("--set start.q_rad.value=0.5");
+    assert!((stated - 0.8).abs() < 0.15 && !said.contains("start.estimated"), "{stated} {said}");
+    folder.write("seen.csv", swing(4, |_, _| 0.0));
+    let seen: Vec<f64> =
+        folder.text("seen.csv").lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    let slope = (seen[4] - seen[0]) / 0.08;
+    assert!((slope - 0.8).abs() > 1.0, "another swing than the file's: {slope}");
+    let (shown, said) = first_step("--inputs seen.csv");
+    assert!((shown - slope).abs() < 0.5 && said.contains("start.estimated"), "{shown} for {slope}: {said}");
+    let (stated, said) = first_step("--inputs seen.csv --set start.dq_rad_s.value=0.8");
+    assert!((stated - 0.8).abs() < 0.6 && !said.contains("start.estimated"), "{stated} {said}");
+}
+
+/// Clean swings: the fit of the base model without a law ends where that of the diagnosis does, and nothing is left for a law.
+#[test]
+fn gaps_of_a_law_are_those_of_its_own_rollouts() {
+    let folder = recorded(|q, _| -0.5 * q * q * q);
+    let line = "diagnose --sim swing.toml 0.csv 1.csv 2.csv --held-out 3.csv 4.csv --law --out improved.toml --json";
+    let json = folder.run(line).json();
+    let (after, held_out) = (&json["gap"]["after"], &json["gap"]["held_out"]["after"]);
+    for gap in [after, held_out] {
+        let ratio = gap.as_f64().unwrap() / 0.002;
+        assert!((0.85..1.15).contains(&ratio), "{ratio} times the noise: {json:#}");
+    }
+}

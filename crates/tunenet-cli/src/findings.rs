@@ -12,6 +12,9 @@ finding_kinds! {
     warning CACHE_UNUSABLE = "cache.unusable",
         "the cache could not be read or written",
         "make the folder writable, set `TUNENET_CACHE`, or use `--no-cache`";
+    note START_ESTIMATED = "start.estimated",
+        "these states are estimated in every recording, and the simulation starts where the first samples of this one show them",
+        "set `start.NAME.value` on the command line to start there";
     note SETUPS_DIFFER = "setups.differ",
         "recordings of one object differ in these keys of the scene; a written file keeps what the simulation file says of them, and \
          `observations` of its `[provenance]` has the keys of each recording under `scene`",

@@ -41,7 +41,8 @@ pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     }
     load::of_kind(&file, domain)?;
     let session = load::session(options.permission);
-    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
+    let driven =
+        Driven::of((&file, &options.set), options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
     let inner = driven.setups.simulator(Kind::Other, &session)?;
     let program = UnderRecordings { recordings: driven.prepared(&inner)?, inner };
     if !program.parameters().iter().any(|p| p.tune) {

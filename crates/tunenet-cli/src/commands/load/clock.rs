@@ -3,18 +3,25 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::observation::{Channel, Hold, Input, Kind, Note, Observation};
 use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, read_start, refuse_unused_options};
-use tunenet_sim::scene::{First, StartValue};
+use tunenet_sim::scene::{First, Start, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
 use super::inputs;
 use super::read_inputs::ReadInputs;
 use super::record_end::{ended, goes_on};
+use crate::findings;
 
-/// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
-pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions) -> Result<Recording> {
+/// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at. Whether that file is a
+/// recording of all channels comes with it: estimated states start as its first samples show, unless they are `stated`.
+pub fn record(
+    file: &SimulationFile,
+    given: Option<&Path>,
+    options: &ReadOptions,
+    stated: bool,
+) -> Result<(Recording, bool)> {
     let channels = declared::channels(file)?;
     given.map(|path| refuse_unused_options(path, options)).transpose()?;
     let headers = file.headers();
@@ -51,8 +58,17 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
             }
         }
     }
-    let observation = Observation::new(Kind::Other, channels, clock, values)?;
-    let recording = Recording { observation, notes: Vec::new() };
+    let estimated = estimated(file);
+    let shown = given.filter(|_| !stated && !estimated.is_empty());
+    let whole = shown.map(|path| samples(path, options, &channels, &clock)).transpose()?.flatten();
+    let recorded = whole.is_some();
+    let observation = Observation::new(Kind::Other, channels, clock, whole.unwrap_or(values))?;
+    let mut recording = Recording { observation, notes: Vec::new() };
+    if recorded {
+        let text = format!("{} as the first samples of the recording show", estimated.join(", "));
+        let remedy = format!("to start at `value`: `--set start.{}.value=…`", estimated[0]);
+        recording.notes.push(Note::new(findings::START_ESTIMATED, text, remedy));
+    }
     let missing = file.inputs().find(|(_, input)| input.default.is_none() && input.file.is_none());
     if let (Some((name, _)), None) = (missing, given) {
         let message = format!("expected a file that holds the input `{name}`, found none");
@@ -61,12 +77,35 @@ pub fn record(file: &SimulationFile, given: Option<&Path>, options: &ReadOptions
     }
     let whole = recording.observation.clone();
     let (Some(path), Some(driven)) = (given, driven) else {
-        return Ok(ended(inputs::defaults(file, recording)?, &whole));
+        return Ok((ended(inputs::defaults(file, recording)?, &whole), recorded));
     };
     let (first_s, end_s) = (whole.clock()[0], *whole.clock().last().unwrap_or(&0.0));
     let mut driven = driven.drive(path, recording, 0)?;
     driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
-    Ok(ended(driven, &whole))
+    Ok((ended(driven, &whole), recorded))
+}
+
+/// The states of equations that are estimated in every recording and do not start at its first sample.
+fn estimated(file: &SimulationFile) -> Vec<&str> {
+    if file.domain() != Domain::Equations {
+        return Vec::new();
+    }
+    let is_first = |start: &Start| matches!(start.value, StartValue::Word(First::First));
+    let free = file.starts().filter(|(_, start)| (start.sd.is_some() || start.min.is_some()) && !is_first(start));
+    free.map(|(name, _)| name).collect()
+}
+
+/// The samples of all `channels` at the instants of `clock`, both counted from their first one; `None` where the file at `path` lacks one.
+fn samples(path: &Path, options: &ReadOptions, channels: &[Channel], clock: &[f64]) -> Result<Option<Vec<f64>>> {
+    let mut columns = Vec::with_capacity(channels.len());
+    for channel in channels {
+        let Some(Recording { observation, .. }) = read_if_there(path, options, channel)? else { return Ok(None) };
+        let (stamps, values) = (observation.clock().to_vec(), observation.values().to_vec());
+        columns.push((stamps[0], Input::sampled(channel.clone(), Hold::Linear, stamps, values)?));
+    }
+    let row =
+        |t: &f64| columns.iter().map(|(first_s, column)| column.at(0, t - clock[0] + first_s)).collect::<Vec<_>>();
+    Ok(Some(clock.iter().flat_map(row).collect()))
 }
 
 /// Whether a file says where a channel starts.

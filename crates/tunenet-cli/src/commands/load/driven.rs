@@ -18,20 +18,28 @@ use crate::files::manifest::{Source, read as entries};
 pub struct Driven {
     pub setups: Setups,
     pub recordings: Vec<(String, Recording)>,
+    /// Whether what is estimated starts as the recordings show, instead of at the values of the file.
+    recorded: bool,
 }
 
 impl Driven {
     /// The clock of `[record]`, driven by what stands in the file `given`; or, with a manifest, every recording that it lists.
-    /// `reading` says how these are read.
+    /// `reading` says how these are read, and `set` what the command line changes in the file: where it says where a state starts, no
+    /// recording does.
     ///
     /// # Errors
     /// Where an input or an initial state is missing, or a file cannot be read.
-    pub fn of(file: &SimulationFile, given: Option<&Path>, manifest: Option<&Path>, reading: &Numbers) -> Result<Self> {
+    pub fn of(
+        (file, set): (&SimulationFile, &[String]),
+        given: Option<&Path>,
+        manifest: Option<&Path>,
+        reading: &Numbers,
+    ) -> Result<Self> {
+        let stated = set.iter().any(|assignment| assignment.trim_start().starts_with("start."));
         let Some(manifest) = manifest else {
-            return Ok(Self {
-                setups: Setups::alike(file, 1),
-                recordings: vec![(String::new(), clock::record(file, given, &read_options(reading)?)?)],
-            });
+            let (recording, recorded) = clock::record(file, given, &read_options(reading)?, stated)?;
+            let recordings = vec![(String::new(), recording)];
+            return Ok(Self { setups: Setups::alike(file, 1), recordings, recorded });
         };
         let entries = entries(manifest)?;
         if let Some(other) = entries.iter().find(|entry| entry.object != entries[0].object) {
@@ -46,7 +54,7 @@ impl Driven {
             Ok((name, super::of_channels(file, setup, &entry.path, reading, most)?))
         };
         let recordings = entries.iter().enumerate().map(one).collect::<Result<_>>()?;
-        Ok(Self { setups, recordings })
+        Ok(Self { setups, recordings, recorded: !stated })
     }
 
     /// The files of their own in which inputs stand, where [`Self::of`] reads them.
@@ -63,7 +71,10 @@ impl Driven {
     pub fn prepared(&self, simulator: &dyn Simulator) -> Result<Vec<Prepared>> {
         let mut all = Vec::new();
         for (_, recording) in &self.recordings {
-            if let Preparation::Usable(prepared) = simulator.prepare(&recording.observation)? {
+            if let Preparation::Usable(mut prepared) = simulator.prepare(&recording.observation)? {
+                if !self.recorded {
+                    prepared.begin.clear();
+                }
                 all.push(*prepared);
             }
         }

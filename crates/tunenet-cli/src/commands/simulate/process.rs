@@ -23,7 +23,12 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     if options.manifest.is_none() {
         names::require_ending(&options.out, "--out", &["csv"])?;
     }
-    let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref(), &options.reading)?;
+    let driven = Driven::of(
+        (file, &options.simulation.set),
+        options.inputs.as_deref(),
+        options.manifest.as_deref(),
+        &options.reading,
+    )?;
     warn_all(&notes::of_all(&driven.recordings));
     let simulator: Box<dyn Simulator> = if options.truth {
         Box::new(Measured::new(observed::bare(&[file], session)?, &[])?)
@@ -39,8 +44,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     session.settle()?;
     let values =
         values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or_else(|| error.into()))?;
-    let recorded: Vec<&Observation> = driven.recordings.iter().map(|(_, recording)| &recording.observation).collect();
-    warn_all(&law::outside(&driven.setups.files(), &recorded)?);
+    warn_all(&law::outside(&driven.setups.files(), &prepared)?);
     let names = driven.recordings.iter().map(|(name, _)| name.clone());
     let each = names.zip(prepared.iter().zip(values));
     each.map(|(name, (prepared, values))| Ok((name, inputs::with_columns(file, &prepared.seen.with_values(values)?)?)))
