@@ -138,3 +138,22 @@ fn what_is_wrong_with_a_formula_is_said_with_its_place() {
     given("[effects.fan]\na = [1.0, 7.0]\nh = 1.0\nw = 0.3\n");
     refused(&folder, "tune --sim ball.toml 0.csv", &["`effects.fan.a`: expected -5 to 5, found 7"]);
 }
+
+/// A formula that no recording can be simulated with is no candidate without influence: the answer says which part fails.
+#[test]
+fn a_candidate_that_cannot_be_simulated_is_excluded_with_its_reason() {
+    let folder = recorded(|x| [-3.0 * x[0], 0.0, -9.81]);
+    for (formula, wanted) in [
+        ("k / (z_m - z_m)", "grows beyond all bounds"),
+        ("k * 1e300", "accelerates the ball"),
+        ("k * sqrt(-1 - x_m^2)", "no real value"),
+    ] {
+        let broken = THREAD.replace("thread", "broken").replace("-k * x_m", formula).replace("\"1/s²\"", "\"?\"");
+        folder.write("ball.toml", format!("{BALL}{THREAD}{broken}"));
+        let json = folder.run("diagnose --sim ball.toml 0.csv 1.csv 2.csv --held-out 3.csv --json").json();
+        let all = json["scores"].as_array().unwrap();
+        let one = all.iter().find(|c| c["name"] == "broken").unwrap_or_else(|| panic!("{json:#}"));
+        let why = one["excluded"].as_str().unwrap_or_default();
+        assert!(why.contains(wanted) && why.contains("candidates.broken.formula"), "{formula}: {one}");
+    }
+}

@@ -79,7 +79,7 @@ fn of(tree: &Tree, names: &[Name], powers: &mut Vec<Range<usize>>) -> Result<Opt
         }
         Function::Delay => {
             if let Some(unit) = each[1].as_ref().filter(|unit| Unit::parse("s").as_ref() != Some(*unit)) {
-                let (place, found) = (arguments[1].place.clone(), format!("one in {unit}"));
+                let (place, found) = (arguments[1].place.clone(), one_in(unit));
                 return Err(FormulaError::new(place, "a delay in s", found));
             }
             if let Some(delay) = number(&arguments[1]).filter(|delay| *delay < 0.0) {
@@ -99,7 +99,7 @@ fn equal(arguments: &[Tree], each: &[Option<Unit>]) -> Result<Option<Unit>, Form
         let Some(unit) = unit.as_ref().filter(|_| number(argument).is_none()) else { continue };
         match common {
             Some(before) if before != unit => {
-                let (place, found) = (argument.place.clone(), format!("one in {unit}"));
+                let (place, found) = (argument.place.clone(), one_in(unit));
                 return Err(FormulaError::new(place, format!("a value in {before}, as before it"), found));
             }
             _ => common = Some(unit),
@@ -108,12 +108,15 @@ fn equal(arguments: &[Tree], each: &[Option<Unit>]) -> Result<Option<Unit>, Form
     Ok(common.cloned())
 }
 
+/// What was found, by its unit.
+pub(crate) fn one_in(unit: &Unit) -> String {
+    if unit.is_one() { "one without a unit".into() } else { format!("one in {unit}") }
+}
+
 /// Refuses a value with a unit where only a number makes sense.
 fn pure(argument: &Tree, unit: Option<&Unit>, what: &str) -> Result<(), FormulaError> {
     match unit.filter(|unit| !unit.is_one()) {
-        Some(unit) => {
-            Err(FormulaError::new(argument.place.clone(), format!("{what} without a unit"), format!("one in {unit}")))
-        }
+        Some(unit) => Err(FormulaError::new(argument.place.clone(), format!("{what} without a unit"), one_in(unit))),
         None => Ok(()),
     }
 }
@@ -183,7 +186,7 @@ mod tests {
         }
         let speed = Unit::parse("m/s").unwrap();
         let refused = Formula::parse("c*x", &names()).unwrap().require_unit(&speed).unwrap_err();
-        assert_eq!(refused.to_string(), "expected a formula in m/s, found one in 1");
+        assert_eq!(refused.to_string(), "expected a formula in m/s, found one without a unit");
         assert!(Formula::parse("2.5*x", &names()).unwrap().require_unit(&speed).is_ok());
     }
 }

@@ -147,7 +147,7 @@ impl Formula {
     pub fn require_unit(&self, expected: &Unit) -> Result<(), FormulaError> {
         match self.unit() {
             Some(unit) if unit != expected => {
-                Err(FormulaError::new(0..self.text.len(), format!("a formula in {expected}"), format!("one in {unit}")))
+                Err(FormulaError::new(0..self.text.len(), format!("a formula in {expected}"), check::one_in(unit)))
             }
             _ => Ok(()),
         }

@@ -101,6 +101,16 @@ impl Field {
         all.max_by(|a, b| size(a).total_cmp(&size(b))).map_or_else(String::new, |one| one.name().to_owned())
     }
 
+    /// Which formula accelerates the ball beyond all that is followed, in words.
+    pub fn violent(&self, t: f64, motion: &Motion) -> Option<String> {
+        let all = self.formulas.as_deref()?;
+        let (size, one) = all
+            .iter()
+            .map(|one| (one.acceleration(t, motion.x, motion.v).length(), one))
+            .find(|(size, _)| *size > VIOLENT)?;
+        Some(format!("`candidates.{}.formula` accelerates the ball by {size:.0e} m/s² at {t:.6} s", one.name()))
+    }
+
     /// How fine the steps are that formulas need.
     fn fineness(&self) -> step_size::Fineness {
         let searched = self.formulas.as_deref().is_some_and(|all| all.iter().any(AppliedForce::is_searched));
@@ -137,6 +147,8 @@ const LONGEST_STEP_S: f64 = 1.0 / 60.0;
 const REACH: f64 = 0.02;
 /// A step is not cut at an apex nearer than this share of it.
 const SHORTEST: f64 = 1e-3;
+/// No ball is followed through an acceleration beyond this, m/s².
+const VIOLENT: f64 = 1e12;
 /// At how many places of a way formulas are looked at where one has no finite value.
 const LOOKED_AT: u32 = 16;
 /// A sphere that rolls without slip keeps this share of a tangential acceleration: 1 / (1 + 2/5).

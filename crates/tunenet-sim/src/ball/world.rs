@@ -82,6 +82,9 @@ impl World {
             }
         }
         let field = scene.field();
+        if let Some(refused) = field.violent(start_time_s, &motion) {
+            return Err(refused);
+        }
         let mut world = Self {
             server: Server::new(),
             obstacles,

@@ -38,7 +38,7 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> 
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
     }
-    let entry = contradiction_of_kind(domain, root).map(|wrong| (wrong, "correct this entry"));
+    let entry = contradiction_of_kind(domain, root).map(|wrong| (wrong, "correct the line that is named here"));
     let bounds = || contradiction_of_bounds(domain, root).map(|wrong| (wrong, "correct the value or its bounds"));
     match entry.or_else(bounds) {
         Some(((key, span, expected, found), hint)) => {
@@ -54,7 +54,7 @@ fn domain(path: &Path, text: &str, root: &Table) -> Result<Domain> {
     let expected = each.join(" or ");
     let Some(kind) = root.get("kind") else {
         let message = format!("expected `kind = {expected}`, found no `kind`");
-        let hint = "is this a simulation file? assets/ball.toml and assets/arm.toml are ones to start from";
+        let hint = "is this a simulation file? `tunenet init` writes one to start from";
         return Err(Error::file(path, message, hint));
     };
     kind.as_str().and_then(Domain::named).ok_or_else(|| {

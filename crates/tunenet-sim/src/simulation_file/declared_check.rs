@@ -177,7 +177,15 @@ fn starts(root: &Table) -> Option<Wrong> {
     None
 }
 
+/// Each candidate is scored by rollouts; more than so many are no choice.
+const MOST_CANDIDATES: usize = 500;
+
 fn candidates(root: &Table, declares: Declares) -> Option<Wrong> {
+    let count = tables(root, "candidates").len();
+    if count > MOST_CANDIDATES {
+        let expected = "at most 500 candidates";
+        return Some(wrong("candidates".into(), root.get("candidates"), expected, count.to_string()));
+    }
     for (name, item, table) in tables(root, "candidates") {
         let path = format!("candidates.{name}");
         if declares.is_built_in(name) {

@@ -4,7 +4,6 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
 use crate::diagnose::hypothesis::multistart::{best_shapes, first_samples_show_more, fit_from_first_samples};
@@ -16,6 +15,7 @@ use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
+use crate::{Error, Result};
 
 /// One step with derivatives that are known already.
 const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
@@ -177,7 +177,8 @@ fn try_score(
     let Influence { columns, projected, whole, rest, seen } = found;
     scored.columns = columns;
     if whole <= 0.0 {
-        scored.excluded = Some(Exclusion::NoInfluence);
+        let refused = refusal(&joint, &point, known);
+        scored.excluded = Some(refused.map_or(Exclusion::NoInfluence, |error| Exclusion::refused(&error)));
     } else if rest <= LEFT_OVER * whole {
         scored.excluded = Some(Exclusion::Redundant(done_already(context)));
     } else if !seen {
@@ -196,6 +197,23 @@ fn try_score(
     let after = 2.0 * (huber_cost(&[rest], model.scale()) + model.fit.prior_part);
     scored.expected = context.criterion(before, after.max(1e-3 * before), coefficients);
     Ok(())
+}
+
+/// Why the simulator refuses the coefficients from `known` on, where it refuses them at their typical sizes on every side of `point` within
+/// their bounds.
+fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Error> {
+    let mut refused = None;
+    for sign in [1.0, -1.0] {
+        let mut tried = point.clone();
+        for (value, shared) in tried.parameters.iter_mut().zip(&joint.structure.shared).skip(known) {
+            let typical = shared.absent.map_or(0.0, |(_, typical)| typical);
+            *value = (*value + sign * typical).clamp(shared.parameter.min, shared.parameter.max);
+        }
+        if tried.parameters != point.parameters {
+            refused = Some(joint.residuals(&tried, 1.0).err()?);
+        }
+    }
+    refused
 }
 
 /// What a candidate's coefficients do to the residuals.
