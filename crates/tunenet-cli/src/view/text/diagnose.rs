@@ -72,8 +72,12 @@ pub fn answer(answer: &Answer) -> Printout {
     let decides = answer.found().is_some();
     if let Some(law) = answer.law.filter(|_| decides) {
         super::law::lines(&mut shown, answer, law);
-        let less = if answer.rivals().is_empty() { "explain less" } else { "explain as much" };
-        shown.line(&format!("  without a law, effects of the catalogue {less}:"));
+        let less = match (answer.rivals().is_empty(), diagnosis.effects().is_empty()) {
+            (false, _) => ", effects of the catalogue explain as much",
+            (true, false) => ", effects of the catalogue explain less",
+            (true, true) => "",
+        };
+        shown.line(&format!("  without a law{less}:"));
     }
     let indent = if decides { "    " } else { "  " };
     for line in details(answer) {
@@ -91,7 +95,8 @@ pub fn answer(answer: &Answer) -> Printout {
         shown.line(&list("  excluded:", &excluded));
     }
     if let Some(line) = margins(diagnosis) {
-        shown.line(&format!("  {line}"));
+        let without = if decides { "without a law, " } else { "" };
+        shown.line(&format!("  {without}{line}"));
     }
     let aside: Vec<&str> = diagnosis
         .uses
