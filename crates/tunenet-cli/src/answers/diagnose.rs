@@ -140,7 +140,7 @@ impl Answer<'_> {
     /// How far the simulation is from the recordings: with the law, where one is the answer.
     pub fn gap(&self) -> Option<Gap> {
         let gap = self.diagnosis.gap.as_ref()?;
-        Some(self.found().map_or_else(|| gap.clone(), |(found, law)| law::gap(gap, found, law)))
+        Some(self.found().map_or_else(|| gap.clone(), |(_, law)| law::gap(gap, law)))
     }
 
     /// The recordings as they are followed before and after: with the law, where one is the answer.

@@ -36,15 +36,11 @@ impl Law {
     }
 }
 
-/// The gap with a law instead of effects of the catalogue. Both follow the same recordings: what is left in units of the noise shrinks as
-/// the gap does.
-pub fn gap(without: &Gap, found: &Found, law: &Member) -> Gap {
-    let (before, after) = found.answer.left;
-    let held_out = match (without.held_out, law.gates.held_out_ratio, law.gates.held_out_base) {
-        (Some(change), Some(with), Some(base)) => Some(Change { after: change.before * with / base, ..change }),
-        _ => None,
-    };
-    Gap { after: without.before * after / before, held_out, control: None, forecast: None, ..without.clone() }
+/// The gap without and with a law instead of effects of the catalogue.
+pub fn gap(without: &Gap, law: &Member) -> Gap {
+    let (before, after) = law.gap;
+    let held_out = law.gates.held_out_gap.map(|(before, after)| Change { before, after });
+    Gap { before, after, held_out, control: None, forecast: None, ..without.clone() }
 }
 
 /// The fitted recordings, before without the law and after with it.
@@ -126,6 +122,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Flexible => {
             "one flank of a bump, less than half a period of an oscillation, or two factors with two constants each fit any smooth force"
         }
+        Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::Grammar => "no product of two shapes of the table explains what is missing",
         Reason::Catalogue => "an effect of the catalogue explains the recordings as well",

@@ -61,7 +61,7 @@ pub(crate) use misfit_grid::{GridPoint, MisfitGrid};
 pub use noise_model::channel_noise;
 pub(crate) use noise_model::{floor, resolution, weights};
 pub use output_error::{Fit, Linearisation, Problem, free};
-pub(crate) use output_error::{GROWING_SHARES, weighted};
+pub(crate) use output_error::{GROWING_SHARES, residual_gap, weighted};
 pub use problem::Point;
 pub(crate) use problem::leading_samples;
 pub use profile::{Profile, profile};

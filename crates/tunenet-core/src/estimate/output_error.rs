@@ -173,15 +173,7 @@ impl Problem<'_> {
     /// differ, of residuals over the noise of their channels ([`gap_unit`](crate::observation::gap_unit)).
     #[must_use]
     pub fn rmse(&self, residuals: &[Vec<f64>]) -> f64 {
-        let (mut squares, mut samples) = (0.0, 0.0);
-        for ((residual, noise), recording) in residuals.iter().zip(self.noise).zip(self.recordings) {
-            let width = noise.len();
-            let one_unit = recording.seen.common_unit().is_some();
-            let unit = |i: usize| if one_unit { noise[i % width] } else { 1.0 };
-            squares += residual.iter().enumerate().map(|(i, r)| (r * unit(i)).powi(2)).sum::<f64>();
-            samples += if one_unit { residual.len() / width } else { residual.len() } as f64;
-        }
-        (squares / samples).sqrt()
+        residual_gap(self.recordings, self.noise, residuals)
     }
 
     /// Derivatives of the residuals at `fit`: those that its last step measured, where it has them.
@@ -326,6 +318,19 @@ impl Problem<'_> {
         let (schur, slope) = equations.reduced();
         (schur, slope, equations.shared.diagonal())
     }
+}
+
+/// The root mean square of residuals in units of the `noise`, as [`Problem::rmse`] has it.
+pub(crate) fn residual_gap(recordings: &[Prepared], noise: &[Vec<f64>], residuals: &[Vec<f64>]) -> f64 {
+    let (mut squares, mut samples) = (0.0, 0.0);
+    for ((residual, noise), recording) in residuals.iter().zip(noise).zip(recordings) {
+        let width = noise.len();
+        let one_unit = recording.seen.common_unit().is_some();
+        let unit = |i: usize| if one_unit { noise[i % width] } else { 1.0 };
+        squares += residual.iter().enumerate().map(|(i, r)| (r * unit(i)).powi(2)).sum::<f64>();
+        samples += if one_unit { residual.len() / width } else { residual.len() } as f64;
+    }
+    (squares / samples).sqrt()
 }
 
 /// (measured − predicted) / noise for one recording, row-major `[sample, channel]`, over its first `samples` samples.

@@ -11,7 +11,7 @@ use super::refit::{Law, Session, robust_squares};
 use super::response::{Fitted, Response, inverse_root, root};
 use crate::Result;
 use crate::estimate::jacobian::Columns;
-use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog};
+use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog, residual_gap};
 use crate::simulator::{Prepared, Simulator};
 use crate::statistics::{upper_chi_squared, upper_f};
 
@@ -27,8 +27,8 @@ const LINEAR: f64 = 1.0;
 pub(super) struct Ahead<'a> {
     recordings: &'a [Prepared],
     noise: &'a [Vec<f64>],
-    /// The error of the base model.
-    base: Option<f64>,
+    /// The error of the base model, over the noise and as a gap.
+    base: Option<(f64, f64)>,
     /// Initial states, and the answer to an acceleration.
     starts: Option<Vec<Vec<f64>>>,
     response: Option<Response>,
@@ -61,8 +61,10 @@ impl<'a> Ahead<'a> {
         let simulator = session.carrying(response, &law.terms, &law.numbers())?;
         let parameters = &law.fit.point.parameters;
         let met = self.met(simulator.as_ref(), parameters, session.log);
-        gates.held_out_base = Some(self.base(session, met.as_ref())?);
+        let (base, base_gap) = self.base(session, met.as_ref())?;
+        gates.held_out_base = Some(base);
         let Some(met) = met else { return Ok(()) };
+        gates.held_out_gap = Some((base_gap, residual_gap(self.recordings, self.noise, &met.residuals)));
         gates.held_out_ratio = Some(self.rms(&met));
         let free: Vec<usize> = session.free.iter().copied().chain(law.first..parameters.len()).collect();
         let point = Point { parameters: parameters.clone(), nuisances: met.starts.clone() };
@@ -84,6 +86,7 @@ impl<'a> Ahead<'a> {
         let left = robust_squares(&residuals) - asked.explained;
         let p = upper_f(left / above, above, below);
         gates.held_out_p = Some(p);
+        gates.held_out_left = Some((left / above).max(0.0).sqrt());
         // Where the constants' uncertainty explains more than noise leaves, rollouts are not linear in them, and the density is not known.
         let common = scale / *self.scale.get_or_insert(scale);
         gates.held_out_nats =
@@ -112,8 +115,8 @@ impl<'a> Ahead<'a> {
         Ok(())
     }
 
-    /// The error of the base model, with initial states from those of a law, which lie nearer to the true ones than guesses do.
-    fn base(&mut self, session: &Session, law: Option<&Met>) -> Result<f64> {
+    /// The error of the base model, over the noise and as a gap, with initial states from those of a law, which lie nearer to the true ones than guesses do.
+    fn base(&mut self, session: &Session, law: Option<&Met>) -> Result<(f64, f64)> {
         if let Some(known) = self.base {
             return Ok(known);
         }
@@ -132,7 +135,8 @@ impl<'a> Ahead<'a> {
             Some(Met { starts: fit.point.nuisances, residuals: fit.residuals })
         });
         let met = fitted.or_else(|| self.met(simulator.as_ref(), parameters, session.log));
-        let base = met.map_or(f64::INFINITY, |met| self.rms(&met));
+        let gap = |met: &Met| residual_gap(self.recordings, self.noise, &met.residuals);
+        let base = met.map_or((f64::INFINITY, f64::INFINITY), |met| (self.rms(&met), gap(&met)));
         self.base = Some(base);
         Ok(base)
     }

@@ -12,6 +12,10 @@ use crate::observation::Observation;
 pub const MOST_FORCE_NATS: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
+/// Held-out recordings leave at most so many times the noise, what the uncertainty of the law's constants explains aside, or no more than
+/// comes by chance with this probability.
+pub const MOST_HELD_OUT: f64 = 1.05;
+const CHANCE: f64 = 0.01;
 /// A constant lies at an end of its range within this share of it.
 const AT_BOUND: f64 = 1e-3;
 /// Residual force on held-out recordings, in nats: by Markov's inequality odds of a thousand to one have at most that probability.
@@ -58,6 +62,8 @@ pub enum Reason {
     Flexible,
     /// A constant of it lies at the end of the range that is searched.
     Bound,
+    /// Recordings ask for constants that differ more than in one case of a hundred by chance.
+    Differ,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.
@@ -75,7 +81,12 @@ pub struct Gates {
     pub held_out_ratio: Option<f64>,
     /// The same of the model without the law, which it must not exceed.
     pub held_out_base: Option<f64>,
-    /// Probability that held-out recordings leave so much more than the fitted ones by chance (F test); at least 0.001.
+    /// Root mean square of what held-out recordings leave, without the law and with it, in the unit of the channels where they have one,
+    /// else over the noise.
+    pub held_out_gap: Option<(f64, f64)>,
+    /// Error on held-out recordings over the noise, what the uncertainty of the constants explains aside.
+    pub held_out_left: Option<f64>,
+    /// Probability that held-out recordings leave so much more than the fitted ones by chance (F test).
     pub held_out_p: Option<f64>,
     /// Evidence of a force that is left on held-out recordings, in nats, what the uncertainty of the constants explains aside; at most 6.9.
     pub held_out_force_nats: Option<f64>,
@@ -92,17 +103,25 @@ impl Gates {
     pub fn failed(&self) -> Option<Reason> {
         let unlikely = |p: Option<f64>| p.is_some_and(|p| p < LEAST_PROBABILITY);
         let worse = self.held_out_ratio.is_some_and(|ratio| self.held_out_base.is_some_and(|base| ratio > base));
+        let beyond = self.held_out_left.is_some_and(|left| left > MOST_HELD_OUT);
+        let beyond = beyond && self.held_out_p.is_some_and(|p| p < CHANCE);
         let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_HELD_OUT_FORCE_NATS);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
         if unlikely(self.heterogeneity_p) {
             Some(Reason::Heterogeneity)
         } else if self.residual_force_nats > MOST_FORCE_NATS {
             Some(Reason::ResidualForce)
-        } else if worse || forced || unlikely(self.held_out_p) || unlikely(self.held_out_differ_p) {
+        } else if worse || forced || beyond || unlikely(self.held_out_differ_p) {
             Some(Reason::HeldOut)
         } else {
             None
         }
+    }
+
+    /// Whether recordings ask for constants that differ more than in one case of a hundred by chance: too much for a law that stands alone.
+    #[must_use]
+    pub fn asks_for_others(&self) -> bool {
+        [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE)
     }
 }
 
@@ -176,6 +195,8 @@ pub struct Member {
     pub depends_on_time: bool,
     /// Whether rollouts over one and a half times that range stay finite.
     pub bounded: bool,
+    /// Root mean square of what fitted recordings leave, without the law and with it, as [`Gates::held_out_gap`].
+    pub gap: (f64, f64),
     /// Its force along each variable that it uses.
     pub courses: Vec<Course>,
     /// The parameters of the simulator with it, in its order, and their 95 % intervals.
@@ -282,11 +303,22 @@ mod tests {
             heterogeneity_p: Some(0.5),
             held_out_ratio: Some(1.0),
             held_out_base: Some(2.0),
-            held_out_p: Some(0.002),
+            held_out_gap: None,
+            held_out_left: Some(1.06),
+            held_out_p: Some(0.02),
             held_out_force_nats: Some(ahead),
             held_out_differ_p: Some(0.5),
             held_out_nats: None,
         }
+    }
+
+    #[test]
+    fn a_law_whose_recordings_differ_stands_but_not_alone() {
+        let differ = |p: f64| Gates { held_out_differ_p: Some(p), ..gates(0.0, 0.0) };
+        assert_eq!(
+            [0.02, 0.002].map(|p| (differ(p).failed(), differ(p).asks_for_others())),
+            [(None, false), (None, true)]
+        );
     }
 
     /// Odds of 20 to 1 on fitted recordings, of 1,000 to 1 on held-out ones as of their other tests.
@@ -296,7 +328,9 @@ mod tests {
         assert_eq!(gates(2.9, 7.0).failed(), Some(Reason::HeldOut));
         assert_eq!(gates(3.1, 7.0).failed(), Some(Reason::ResidualForce));
         assert_eq!(Gates { heterogeneity_p: Some(9e-4), ..gates(3.1, 7.0) }.failed(), Some(Reason::Heterogeneity));
-        assert_eq!(Gates { held_out_p: Some(9e-4), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
+        assert_eq!(Gates { held_out_p: Some(9e-3), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
+        let close = Gates { held_out_p: Some(9e-3), held_out_left: Some(1.04), ..gates(0.0, 0.0) };
+        assert_eq!(close.failed(), None, "so little is no error");
         assert_eq!(Gates { held_out_base: Some(0.99), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
     }
 }

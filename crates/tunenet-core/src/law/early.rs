@@ -61,7 +61,7 @@ fn from(session: &Session, around: &Around, share: f64) -> Option<Vec<Law>> {
 
 /// Laws with which a search in these parts begins.
 fn laws(session: &Session, parts: &[Prepared], log: &RolloutLog) -> Option<Vec<Law>> {
-    let mut short = Session::new(session.host, parts, session.noise, log, session.allowed).ok()?;
+    let mut short = Session::new(session.host, parts, (session.noise, None), log, session.allowed).ok()?;
     let base = Around::base(&short, log).ok()?;
     Some(begun(&mut short, &base, FEW).1)
 }

@@ -79,6 +79,7 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
         valid,
         depends_on_time: law.terms.iter().any(Term::depends_on_time),
         bounded: bounded(session, law, &*simulator),
+        gap: (session.gap(&session.base.residuals), session.gap(&law.fit.residuals)),
         courses: courses(session, response, law),
         parameters: point.parameters[..law.first].iter().enumerate().map(parameter).collect(),
     })

@@ -23,6 +23,8 @@ pub(super) fn judge(session: &Session, response: &Response, ahead: &mut Ahead, l
         heterogeneity_p,
         held_out_ratio: None,
         held_out_base: None,
+        held_out_gap: None,
+        held_out_left: None,
         held_out_p: None,
         held_out_force_nats: None,
         held_out_differ_p: None,

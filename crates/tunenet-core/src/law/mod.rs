@@ -57,8 +57,8 @@ mod term;
 mod tests;
 
 pub use answer::{
-    Answer, Followed, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT_FORCE_NATS, Member, Number, Reason, Refused,
-    Rounded, Verdict,
+    Answer, Followed, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member, Number,
+    Reason, Refused, Rounded, Verdict,
 };
 pub use course::{Bin, Course, Sample};
 pub use shape::{Range, Role, Shape};
@@ -68,6 +68,7 @@ pub use term::{Factor, Term};
 use std::sync::atomic::Ordering;
 
 use crate::Result;
+pub use crate::estimate::Point;
 use crate::estimate::RolloutLog;
 use crate::estimate::floor;
 use crate::simulator::Prepared;
@@ -108,13 +109,15 @@ pub struct Settings {
     pub rollouts: Option<usize>,
     /// Effects of the catalogue that compete: those that a diagnosis named, together.
     pub rival: Vec<Named>,
+    /// Where a fit of the simulation to these recordings ended, with the nuisance parameters of each.
+    pub known: Option<Point>,
     /// Whether effects of the measurement, which no law can be compared with, explain the recordings as well.
     pub measured: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin: 6.0, rollouts: None, rival: Vec::new(), measured: false }
+        Self { margin: 6.0, rollouts: None, rival: Vec::new(), known: None, measured: false }
     }
 }
 
@@ -129,7 +132,8 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     let log = RolloutLog::new(Some(most), None, None);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
     let allowed = (SEARCH_SHARE * most as f64) as usize;
-    let mut session = Session::new(host, recordings, noise, &log, allowed)?;
+    let known = settings.known.as_ref().filter(|point| point.nuisances.len() == recordings.len());
+    let mut session = Session::new(host, recordings, (noise, known), &log, allowed)?;
     let base = Around::base(&session, &log)?;
     let base_force_nats =
         residual_force(&base.response, &session.base.residuals, session.linear.columns(), Shared::Free);
@@ -254,6 +258,7 @@ fn conclude(
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
+        [one] if one.gates.asks_for_others() => (Verdict::OneOf, Some(Reason::Differ)),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),

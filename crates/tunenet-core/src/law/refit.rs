@@ -10,8 +10,9 @@ use super::term::Term;
 use crate::Result;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
-use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog, free};
+use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog, free, residual_gap};
 use crate::simulator::{Parameter, Prepared, Simulator};
+use crate::statistics::root_mean_square;
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
 const REACH: f64 = 40.0;
@@ -77,12 +78,17 @@ pub(super) struct Session<'a> {
 /// Shares of the recordings over which the base model is fitted one after the other, so that it ends in the right minimum.
 const HORIZONS: [f64; 3] = [0.45, 0.7, 1.0];
 
+/// A base model that leaves so many times the noise may sit in a local minimum; another fit is a better one below this share of its cost.
+const SUSPICIOUS: f64 = 3.0;
+const BETTER: f64 = 0.98;
+
 impl<'a> Session<'a> {
-    /// Fits the base model.
+    /// Fits the base model. Where that leaves far more than noise and a point is `known`, it is fitted from the first samples on and from
+    /// that point as well.
     pub fn new(
         host: &'a dyn Host,
         recordings: &'a [Prepared],
-        noise: &'a [Vec<f64>],
+        (noise, known): (&'a [Vec<f64>], Option<&Point>),
         log: &'a RolloutLog,
         allowed: usize,
     ) -> Result<Self> {
@@ -103,6 +109,20 @@ impl<'a> Session<'a> {
             (Some(grown), Err(_)) => grown,
             (_, direct) => direct?,
         };
+        if let Some(known) = known
+            && root_mean_square(base.residuals.iter().flatten().copied()) > SUSPICIOUS
+        {
+            let grown = || {
+                let start = Point::start(simulator.as_ref(), recordings);
+                let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
+                problem.fit(GROWING_SHARES.iter().try_fold(start, longer)?, 1.0).ok()
+            };
+            for other in grown().into_iter().chain(problem.fit(known.clone(), 1.0).ok()) {
+                if other.cost < BETTER * base.cost {
+                    base = other;
+                }
+            }
+        }
         let linear = problem.settle(&mut base)?;
         let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
         let short = AtomicBool::new(false);
@@ -117,6 +137,11 @@ impl<'a> Session<'a> {
         log: Option<&'b RolloutLog>,
     ) -> Problem<'b> {
         Problem { simulator, recordings: self.recordings, noise: self.noise, free, log }
+    }
+
+    /// The root mean square of what is left, in the unit of the channels where they have one.
+    pub fn gap(&self, residuals: &[Vec<f64>]) -> f64 {
+        residual_gap(self.recordings, self.noise, residuals)
     }
 
     /// Where derivatives of the base model lead to from `point`, if these residuals are left there.

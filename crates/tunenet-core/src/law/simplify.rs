@@ -98,7 +98,8 @@ fn instead_of(space: &Space, response: &Response, factor: &Factor, values: &[f64
         Shape::Tanh | Shape::Log if values[0] > STRAIGHT * range.greatest => {
             found.push(Instead::Other(first_power, Vec::new()));
         }
-        Shape::Tanh if values[0] < 0.06 * range.greatest => {
+        // Where motion does not stop at 0, nothing jumps there.
+        Shape::Tanh if space.variables[factor.variable].rate && values[0] < 0.06 * range.greatest => {
             let shape = Shape::Sign;
             found.push(Instead::Other(Factor { shape, variable: factor.variable, rounded: None }, Vec::new()));
         }

@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::diagnose::{Diagnosis, Doubt, NamedEffect, Verdict};
-use tunenet_core::law::{self, Named, Settings, search};
+use tunenet_core::diagnose::{Diagnosis, Doubt, Verdict};
+use tunenet_core::law::{self, Settings, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 
+use super::law_start::{known, named};
 use crate::answers::diagnose::Loaded;
 use crate::answers::law::{Found, Law};
 use crate::args::Diagnose;
@@ -97,15 +98,10 @@ fn searched(
         return Ok(Err("an effect of the measurement explains the recordings, and a law is a force"));
     }
     let rival = if competes { effects.iter().map(named).collect() } else { Vec::new() };
-    let settings = Settings { rival, measured, ..Settings::default() };
+    let known = known(diagnosis, base.parameters(), &fitted);
+    let settings = Settings { rival, measured, known, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();
     Ok(Ok(Found { answer: answer?, names, parameters: base.parameters().to_vec() }))
-}
-
-/// An effect of a diagnosis of one object, with what was found of it.
-fn named(one: &NamedEffect) -> Named {
-    let values = one.coefficients.iter().flat_map(|fitted| &fitted.values).map(|value| value.value);
-    Named { name: one.effect.name.to_string(), values: values.collect() }
 }

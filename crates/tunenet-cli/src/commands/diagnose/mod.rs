@@ -7,6 +7,7 @@
 mod ask;
 mod improve;
 mod law;
+mod law_start;
 mod load;
 mod outputs;
 mod sources;

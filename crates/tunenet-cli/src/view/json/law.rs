@@ -54,6 +54,7 @@ fn member(member: &Member) -> Json {
         "heterogeneity_p": gates.heterogeneity_p,
         "held_out_ratio": gates.held_out_ratio,
         "held_out_base": gates.held_out_base,
+        "held_out_left": gates.held_out_left,
         "held_out_p": gates.held_out_p,
         "held_out_force_nats": gates.held_out_force_nats,
         "held_out_differ_p": gates.held_out_differ_p,

@@ -46,7 +46,7 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         let gates = &member.gates;
         let p = gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings agree (p {p:.2})"));
         let ahead =
-            gates.held_out_ratio.map_or_else(String::new, |r| format!(", held-out error {r:.3} times the noise"));
+            gates.held_out_left.map_or_else(String::new, |left| format!(", held-out error {left:.3} times the noise"));
         shown.line(&format!(
             "    gain {:.0}, residual force {:.1} nats (at most {MOST_FORCE_NATS}){p}{ahead}",
             member.bic_gain, gates.residual_force_nats

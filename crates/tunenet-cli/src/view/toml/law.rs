@@ -36,6 +36,7 @@ pub fn provenance(seed: u64, answer: &Answer, found: &Found, law: &Member) -> Re
         ("heterogeneity_p", law.gates.heterogeneity_p),
         ("held_out_ratio", law.gates.held_out_ratio),
         ("held_out_base", law.gates.held_out_base),
+        ("held_out_left", law.gates.held_out_left),
         ("held_out_p", law.gates.held_out_p),
         ("held_out_force_nats", law.gates.held_out_force_nats),
         ("held_out_differ_p", law.gates.held_out_differ_p),
