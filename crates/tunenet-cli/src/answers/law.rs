@@ -122,6 +122,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Flexible => {
             "one flank of a bump, less than half a period of an oscillation, or two factors with two constants each fit any smooth force"
         }
+        Reason::Few => "fewer than four recordings do not show whether something unmeasured differs between them",
         Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::Grammar => "no product of two shapes of the table explains what is missing",

@@ -62,6 +62,8 @@ pub enum Reason {
     Flexible,
     /// A constant of it lies at the end of the range that is searched.
     Bound,
+    /// So few recordings do not show whether something unmeasured differs between them.
+    Few,
     /// Recordings ask for constants that differ more than in one case of a hundred by chance.
     Differ,
     /// No shape of the table gains what it costs.

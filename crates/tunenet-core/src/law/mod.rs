@@ -85,6 +85,8 @@ use response::Response;
 
 /// How far behind a law may lie whose fit is not finished.
 const UNFINISHED: f64 = 1.0;
+/// A law stands alone by so many recordings, held-out ones counted: of fewer, what differs between them passes for the law's constants.
+const LEAST_RECORDINGS: usize = 4;
 /// Most laws that are tested.
 const MOST_JUDGED: usize = 16;
 /// Rollouts that are allowed for each recording, and the share of them that the search may use before its tests.
@@ -260,6 +262,7 @@ fn conclude(
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
         [one] if one.gates.asks_for_others() => (Verdict::OneOf, Some(Reason::Differ)),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
+        [_] if session.recordings.len() + answer.held_out < LEAST_RECORDINGS => (Verdict::OneOf, Some(Reason::Few)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),
     };

@@ -251,6 +251,8 @@ fn written(shape: Shape, x: &str, a: &str, b: &str) -> String {
         Shape::OddPower => format!("abs({x})^{a} * sign({x})"),
         Shape::Exp => format!("exp(-{x}/{a})"),
         Shape::Bump => format!("exp(-(({x} - {a})/{b})^2)"),
+        Shape::Sin if a == "1" => format!("sin({x})"),
+        Shape::Cos if a == "1" => format!("cos({x})"),
         Shape::Sin => format!("sin({a}*{x})"),
         Shape::Cos => format!("cos({a}*{x})"),
         Shape::Wave => format!("cos({a}*{x} + {b})"),

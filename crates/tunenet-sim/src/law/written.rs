@@ -51,8 +51,9 @@ fn tables(file: &SimulationFile, name: &str, law: &Member, term: &FoundTerm) -> 
         }
         valid(&mut text, law.valid.iter().map(|(name, range)| (name.as_str(), *range)));
     } else {
-        line(&mut text, "acts", "\"joint\"");
         let scene = file.equations()?;
+        let turns = scene.states.keys().any(|state| state.contains("rad"));
+        line(&mut text, "acts", if turns { "\"joint\"" } else { "\"flight\"" });
         let mut adds: Vec<(String, String)> = Vec::new();
         for (component, number) in term.components.iter().zip(linear) {
             for (state, factor) in expressions(scene, component) {

@@ -17,15 +17,20 @@ use crate::observation::{Note, three_digits, with_decimals};
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 
+/// What remains is unknown where it is so many times the noise.
+const REMAINS: f64 = 1.05;
+
 /// What is to be noted of `judged`.
 pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) {
     if judged.practical {
-        let ratio = with_decimals(judged.left / judged.floor.sqrt(), 1);
+        let times = judged.left / judged.floor.sqrt();
+        let ratio = with_decimals(times, 1);
         if judged.context.evidence.discrepancy() {
             let text = format!(
                 "unknown remainder: the residual is {ratio} times the noise (RMS), and no effect that is known explains it on held-out recordings"
             );
-            notes.push(Note::new(findings::REMAINDER_UNKNOWN, text, ""));
+            // What is as large as the noise is no remainder.
+            notes.extend((times >= REMAINS).then(|| Note::new(findings::REMAINDER_UNKNOWN, text, "")));
         } else {
             let text = format!("the residual is {ratio} times the noise (RMS); the effects remove most of the misfit");
             notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
