@@ -139,7 +139,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     let base = Around::base(&session, &log)?;
     let base_force_nats =
         residual_force(&base.response, &session.base.residuals, session.linear.columns(), Shared::Free);
-    let left = rms(&session.base.residuals);
+    let (left, before) = (rms(&session.base.residuals), session.before);
     let none = |verdict, reason| Answer {
         verdict,
         reason,
@@ -151,7 +151,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         held_out: held_out.len(),
         left: (left, left),
         followed: Vec::new(),
-        rollouts: log.count(),
+        rollouts: log.count() + before,
     };
     if base_force_nats <= MOST_FORCE_NATS {
         return Ok(none(Verdict::None, None));
@@ -167,7 +167,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     let mut ahead = Ahead::new(held_out, held_noise);
     let mut answer = Answer { rival_bic_gain, ..none(Verdict::Unknown, None) };
     conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer);
-    answer.rollouts = log.count();
+    answer.rollouts = log.count() + session.before;
     Ok(answer)
 }
 

@@ -61,6 +61,8 @@ pub(super) struct Session<'a> {
     pub recordings: &'a [Prepared],
     pub noise: &'a [Vec<f64>],
     pub log: &'a RolloutLog,
+    /// Rollouts that looked for a better base model, which the log does not hold.
+    pub before: usize,
     pub base: Fit,
     pub linear: Linearisation,
     /// The base model's free parameters.
@@ -104,6 +106,7 @@ impl<'a> Session<'a> {
         }
         // Growing horizons may end in another minimum than the first guesses do.
         let direct = problem.fit(Point::start(simulator.as_ref(), recordings), 1.0);
+        let mut before = 0;
         let mut base = match (base, direct) {
             (Some(grown), Ok(direct)) if grown.cost <= direct.cost => grown,
             (Some(grown), Err(_)) => grown,
@@ -112,21 +115,39 @@ impl<'a> Session<'a> {
         if let Some(known) = known
             && root_mean_square(base.residuals.iter().flatten().copied()) > SUSPICIOUS
         {
+            let own = RolloutLog::default();
+            let again = Problem { log: Some(&own), ..problem };
             let grown = || {
                 let start = Point::start(simulator.as_ref(), recordings);
-                let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
-                problem.fit(GROWING_SHARES.iter().try_fold(start, longer)?, 1.0).ok()
+                let longer = |point: Point, horizon: &f64| Some(again.fit(point, *horizon).ok()?.point);
+                again.fit(GROWING_SHARES.iter().try_fold(start, longer)?, 1.0).ok()
             };
-            for other in grown().into_iter().chain(problem.fit(known.clone(), 1.0).ok()) {
+            for other in grown().into_iter().chain(again.fit(known.clone(), 1.0).ok()) {
                 if other.cost < BETTER * base.cost {
                     base = other;
                 }
             }
+            // What this takes is not taken from the search.
+            before = own.count();
         }
         let linear = problem.settle(&mut base)?;
         let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
         let short = AtomicBool::new(false);
-        Ok(Self { host, recordings, noise, log, base, linear, free, squares, count, factors: 1, allowed, short })
+        Ok(Self {
+            host,
+            recordings,
+            noise,
+            log,
+            before,
+            base,
+            linear,
+            free,
+            squares,
+            count,
+            factors: 1,
+            allowed,
+            short,
+        })
     }
 
     /// The recordings as a problem for another simulator.
