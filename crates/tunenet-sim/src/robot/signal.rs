@@ -220,9 +220,9 @@ mod tests {
     fn a_held_sample_is_read_without_its_mean() {
         let input = input(Hold::Previous);
         let mut signal = Signal::new(&input, 0.0, 0.25);
-        assert_eq!(signal.held(1.0), Some(0.0));
-        assert_eq!((signal.held(1.5), signal.mean(0.0, 1.25)), (None, 0.0));
-        assert_eq!((signal.held(1.5), signal.mean(1.25, 1.5)), (Some(2.0), 2.0));
+        assert_eq!((signal.held(0.2), signal.mean(0.0, 1.0)), (Some(0.0), 0.0));
+        assert_eq!((signal.held(1.2), signal.held(1.5), signal.mean(1.0, 1.5)), (Some(0.0), None, 1.0));
+        assert_eq!((signal.held(1.9), signal.mean(1.5, 1.9)), (Some(2.0), 2.0));
         assert_eq!(Signal::new(&self::input(Hold::Linear), 0.0, 0.0).held(0.5), None);
     }
 
