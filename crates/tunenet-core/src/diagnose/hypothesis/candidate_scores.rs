@@ -199,9 +199,10 @@ fn try_score(
     Ok(())
 }
 
-/// Why the simulator refuses the coefficients from `known` on, where it refuses them at their typical sizes on every side of `point` within
-/// their bounds.
+/// Why the simulator refuses the coefficients from `known` on in the first recording, where it refuses them at their typical sizes on every
+/// side of `point` within their bounds: what has no derivative is refused in all recordings.
 fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Error> {
+    let samples = joint.recordings.first()?.clock().len();
     let mut refused = None;
     for sign in [1.0, -1.0] {
         let mut tried = point.clone();
@@ -210,7 +211,7 @@ fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Error> {
             *value = (*value + sign * typical).clamp(shared.parameter.min, shared.parameter.max);
         }
         if tried.parameters != point.parameters {
-            refused = Some(joint.residuals(&tried, 1.0).err()?);
+            refused = Some(joint.plain(0, &tried.parameters, &tried.nuisances[0], samples).err()?);
         }
     }
     refused
