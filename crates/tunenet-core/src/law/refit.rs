@@ -77,8 +77,8 @@ pub(super) struct Session<'a> {
     pub short: AtomicBool,
 }
 
-/// Shares of the recordings over which the base model is fitted one after the other, so that it ends in the right minimum.
-const HORIZONS: [f64; 3] = [0.45, 0.7, 1.0];
+/// Shares of the recordings over which the base model is fitted before the whole, so that it ends in the right minimum.
+const HORIZONS: [f64; 2] = [0.45, 0.7];
 
 /// A base model that leaves so many times the noise may sit in a local minimum; another fit is a better one below this share of its cost.
 const SUSPICIOUS: f64 = 3.0;
@@ -97,40 +97,36 @@ impl<'a> Session<'a> {
         let simulator = host.carrying(&[])?;
         let free = free(simulator.parameters(), recordings);
         let problem = Problem { simulator: simulator.as_ref(), recordings, noise, free: &free, log: Some(log) };
-        let mut point = Point::start(simulator.as_ref(), recordings);
-        let mut base = None;
-        for horizon in HORIZONS {
-            let fit = problem.fit(point.clone(), horizon)?;
-            point = fit.point.clone();
-            base = Some(fit);
-        }
+        let start = || Point::start(simulator.as_ref(), recordings);
+        let longer = |point: Point, horizon: &f64| problem.fit(point, *horizon).map(|fit| fit.point);
+        let grown = HORIZONS.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0));
         // Growing horizons may end in another minimum than the first guesses do.
-        let direct = problem.fit(Point::start(simulator.as_ref(), recordings), 1.0);
+        let direct = problem.fit(start(), 1.0);
+        let mut refused = None;
+        let mut found: Vec<Fit> = Vec::new();
+        for fitted in [grown, direct] {
+            fitted.map_or_else(|error| refused = Some(error), |fit| found.push(fit));
+        }
+        let least = found.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let poor = |fit: &Fit| root_mean_square(fit.residuals.iter().flatten().copied()) > SUSPICIOUS;
         let mut before = 0;
-        let mut base = match (base, direct) {
-            (Some(grown), Ok(direct)) if grown.cost <= direct.cost => grown,
-            (Some(grown), Err(_)) => grown,
-            (_, direct) => direct?,
-        };
-        if let Some(known) = known
-            && root_mean_square(base.residuals.iter().flatten().copied()) > SUSPICIOUS
-        {
+        if let Some(known) = known.filter(|_| found.first().is_none_or(poor)) {
             let own = RolloutLog::default();
             let again = Problem { log: Some(&own), ..problem };
-            let grown = || {
-                let start = Point::start(simulator.as_ref(), recordings);
-                let longer = |point: Point, horizon: &f64| Some(again.fit(point, *horizon).ok()?.point);
-                again.fit(GROWING_SHARES.iter().try_fold(start, longer)?, 1.0).ok()
-            };
-            for other in grown().into_iter().chain(again.fit(known.clone(), 1.0).ok()) {
-                if other.cost < BETTER * base.cost {
-                    base = other;
-                }
-            }
+            let longer = |point: Point, horizon: &f64| again.fit(point, *horizon).map(|fit| fit.point);
+            let grown = GROWING_SHARES.iter().try_fold(start(), longer).and_then(|point| again.fit(point, 1.0));
+            let others = grown.into_iter().chain(again.fit(known.clone(), 1.0));
+            found.splice(0..0, others.filter(|other| other.cost < BETTER * least));
+            found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             // What this takes is not taken from the search.
             before = own.count();
         }
-        let linear = problem.settle(&mut base)?;
+        let settled = |mut fit: Fit| problem.settle(&mut fit).map(|linear| (fit, linear));
+        // On the edge of what can be simulated there are no derivatives to go on with.
+        let mut tried = found.into_iter().map(settled);
+        let first = tried.next().unwrap_or_else(|| Err(refused.unwrap_or_else(|| problem.unaffordable())));
+        let (base, linear) = first.or_else(|error| tried.find_map(Result::ok).ok_or(error))?;
         let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
         let short = AtomicBool::new(false);
         Ok(Self {
