@@ -27,6 +27,7 @@ mod search;
 mod shot;
 mod speed;
 mod synthetic_video;
+mod timed_rollouts;
 mod tool;
 mod tuning;
 mod two_link;

@@ -1,20 +1,16 @@
 //! How fast one thread rolls the servo out that `diagnose` has found.
 
-use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tunenet_core::observation::{Channel, Circumstances, Hold, Input};
-use tunenet_core::simulator::Simulator as _;
-use tunenet_core::statistics::median;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::observed_robot::robot;
 
 use super::table::column;
+use crate::timed_rollouts::per_second;
 
-/// Each figure is the median of so many measurements of so many rollouts.
-const REPEATS: usize = 5;
+/// Rollouts of one measurement.
 const ROLLOUTS: usize = 1000;
 
 /// Rollouts per second of a simulation file under the commands of one recording, and how many seconds and samples that has.
@@ -31,18 +27,7 @@ pub fn rollouts_per_second(file: &Path, recording: &Path) -> Result<(f64, f64, u
     let inputs = vec![input("goal_rad", "rad", Hold::Linear)?, input("torque_on", "1", Hold::Previous)?];
     let start_s = clock.first().copied().unwrap_or_default();
     let driven = Circumstances { start: vec![0.0, 0.0], start_s, ..Circumstances::driven_by(inputs) };
-    let numbers: Vec<f64> = simulator.parameters().iter().map(|parameter| parameter.value).collect();
-    let mut values = vec![0.0; clock.len()];
-    let mut each = Vec::with_capacity(REPEATS);
-    for _ in 0..REPEATS {
-        let began = Instant::now();
-        for _ in 0..ROLLOUTS {
-            let rolled = simulator.rollout_driven(black_box(&numbers), &[], &driven, &clock, &mut values);
-            rolled.map_err(|error| anyhow::anyhow!("{error}"))?;
-            black_box(&values);
-        }
-        each.push(ROLLOUTS as f64 / began.elapsed().as_secs_f64());
-    }
+    let each = per_second(&simulator, &[], (&driven, &clock), ROLLOUTS)?;
     let seconds = clock.last().copied().unwrap_or_default() - start_s;
-    Ok((median(each).unwrap_or(f64::NAN), seconds, clock.len()))
+    Ok((each, seconds, clock.len()))
 }
