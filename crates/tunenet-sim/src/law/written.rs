@@ -9,6 +9,7 @@ use tunenet_formats::Result;
 use super::equations::{expressions, range_name};
 use super::free_name;
 use crate::SimulationFile;
+use crate::equations::body::States;
 use crate::simulation_file::Domain;
 
 /// `file` with the parameters (in the order of `parameters`) and every term of `law` as a candidate and as an effect.
@@ -52,8 +53,8 @@ fn tables(file: &SimulationFile, name: &str, law: &Member, term: &FoundTerm) -> 
         valid(&mut text, law.valid.iter().map(|(name, range)| (name.as_str(), *range)));
     } else {
         let scene = file.equations()?;
-        let turns = scene.states.keys().any(|state| state.contains("rad"));
-        line(&mut text, "acts", if turns { "\"joint\"" } else { "\"flight\"" });
+        let is_body = States::of(scene).body().is_some();
+        line(&mut text, "acts", if is_body { "\"flight\"" } else { "\"joint\"" });
         let mut adds: Vec<(String, String)> = Vec::new();
         for (component, number) in term.components.iter().zip(linear) {
             for (state, factor) in expressions(scene, component) {
