@@ -383,6 +383,26 @@ mod tests {
     }
 
     #[test]
+    fn a_refused_hypothesis_is_none_and_a_failed_simulator_is_an_error() {
+        let refused = Error::Simulator { at: "a=1".into(), message: "it divides by 0".into() };
+        assert_eq!(simulated::<u8>(Err(refused)).unwrap(), None);
+        assert_eq!(simulated(Ok(3)).unwrap(), Some(3));
+        assert!(simulated::<u8>(Err(Error::SimulatorBroken { message: "it ended".into() })).is_err());
+    }
+
+    /// What takes the place of effects that cannot be judged is an effect of its own, and never an excluded one.
+    #[test]
+    fn the_best_effect_alone_takes_the_place_of_those_that_cannot_be_judged() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let alone = score_candidates(context, &base);
+            let Revision::Replaced(Some(best)) = best_alone(context, &alone).unwrap() else { panic!("none") };
+            assert_eq!(names(context, &best.structure.effects), ["viscous_friction"]);
+            assert!(matches!(best_alone(context, &[]).unwrap(), Revision::Replaced(None)));
+        });
+    }
+
+    #[test]
     fn a_single_motion_shows_one_effect_at_most() {
         assert!(found(&[(FRICTION, 0.2), (REST, 0.05)], 1).len() <= 1);
     }
