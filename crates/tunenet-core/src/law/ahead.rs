@@ -115,7 +115,8 @@ impl<'a> Ahead<'a> {
         Ok(())
     }
 
-    /// The error of the base model, over the noise and as a gap, with initial states from those of a law, which lie nearer to the true ones than guesses do.
+    /// The error of the base model, over the noise and as a gap, with initial states from those of a law, which lie nearer to the true ones
+    /// than guesses do.
     fn base(&mut self, session: &Session, law: Option<&Met>) -> Result<(f64, f64)> {
         if let Some(known) = self.base {
             return Ok(known);

@@ -17,7 +17,7 @@ use crate::observation::{Note, three_digits, with_decimals};
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 
-/// What remains is unknown where it is so many times the noise.
+/// The least ratio of the residual to the noise (RMS) that is noted as an unknown remainder.
 const REMAINS: f64 = 1.05;
 
 /// What is to be noted of `judged`.
