@@ -28,7 +28,7 @@ test: packages ## install what is missing, then check format, lints, tests, doct
 	@echo "==> lints"
 	@cargo clippy --workspace --all-targets --quiet -- -D warnings
 	@echo "==> tests and doctests"
-	@cargo test --workspace --quiet
+	@cargo test --workspace --no-fail-fast --quiet
 	@echo "==> documentation"
 	@RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 	@echo "==> all hold"
