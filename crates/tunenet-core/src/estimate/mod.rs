@@ -63,7 +63,6 @@ pub(crate) use noise_model::{floor, resolution, weights};
 pub use output_error::{Fit, Linearisation, Problem, free};
 pub(crate) use output_error::{GROWING_SHARES, residual_gap, weighted};
 pub use problem::Point;
-pub(crate) use problem::leading_samples;
 pub use profile::{Profile, profile};
 pub use region::Region;
 pub use rollout_log::{Phase, Request, RolloutLog, RolloutStore, Watch};

@@ -96,16 +96,9 @@ impl<'a> Ahead<'a> {
             let carried = session.carried(response, &law.terms, &numbers);
             let columns: Vec<Columns> =
                 linear.columns().iter().map(|one| Columns { indices: vec![], shared: vec![], ..one.clone() }).collect();
-            let of = Fitted {
-                recordings: self.recordings,
-                noise: self.noise,
-                point: &point,
-                residuals: &met.residuals,
-                columns: &columns,
-                law: &carried,
-                numbers: &numbers,
-            };
-            self.response = Some(Response::measure(session.host, &of, session.log)?);
+            let fit = (&point, met.residuals.as_slice());
+            let all = Fitted::each(self.recordings, self.noise, fit, (&carried, &numbers));
+            self.response = Some(Response::measure(session.host, &all, &columns, session.log)?);
         }
         self.starts.get_or_insert(met.starts);
         if let Some(known) = &self.response {

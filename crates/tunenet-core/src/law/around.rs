@@ -28,6 +28,11 @@ pub(super) struct Around {
 }
 
 impl Around {
+    /// About paths that follow the recordings by a force of their own.
+    pub fn paths(response: Response, columns: Vec<Columns>, point: Point) -> Self {
+        Self { response, columns, point }
+    }
+
     /// About the base model.
     pub fn base(session: &Session, log: &RolloutLog) -> Result<Self> {
         let columns = session.linear.columns();
@@ -60,8 +65,8 @@ impl Around {
     ) -> Result<Self> {
         let (recordings, noise) = (session.recordings, session.noise);
         let (point, residuals) = (&fit.point, fit.residuals.as_slice());
-        let of = Fitted { recordings, noise, point, residuals, columns: &columns, law, numbers };
-        let response = Response::measure(session.host, &of, log)?;
+        let all = Fitted::each(recordings, noise, (point, residuals), (law, numbers));
+        let response = Response::measure(session.host, &all, &columns, log)?;
         let mut point = fit.point.clone();
         point.parameters.truncate(session.base.point.parameters.len());
         Ok(Self { response, columns, point })

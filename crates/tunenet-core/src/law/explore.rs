@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::around::Around;
 use super::begin::{WHOLE, begun};
-use super::early;
 use super::forms::{distinct, is_same, ranked};
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
 use super::second;
 use super::simplify::simplify;
+use super::smoothed::smoothed;
 use super::term::Term;
 
 /// How many laws are simplified.
@@ -45,7 +45,7 @@ fn settled(session: &Session, around: &Around, law: &Law) -> Law {
 pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
     let (singles, mut laws) = begun(session, &base, WHOLE);
     let before = session.log.count();
-    laws.extend(early::continued(session, &base, laws.first()));
+    laws.extend(smoothed(session, &base, laws.first()));
     // What this takes is not taken from the search about the whole, which goes on as it would have without it.
     session.allowed += session.log.count() - before;
     let session = &*session;

@@ -15,8 +15,8 @@
 //! | `price` | information criterion and bits |
 //! | `refit` | fits through rollouts |
 //! | `begin` | the best forms of the linear search, fitted |
+//! | `smoothed` | laws about paths that follow the recordings, whatever the force |
 //! | `simplify` | limits, omitted factors, rounded exponents |
-//! | `early` | laws of the first part of the recordings, fitted on to the whole |
 //! | `second` | a second term |
 //! | `between` | products of a power and an exponential near one of both |
 //! | `exponent` | exponents of variables far from 1 in their unit |
@@ -34,7 +34,6 @@ mod around;
 mod begin;
 mod between;
 mod course;
-mod early;
 mod evidence;
 mod explore;
 mod exponent;
@@ -50,6 +49,7 @@ mod rivals;
 mod second;
 mod shape;
 mod simplify;
+mod smoothed;
 mod space;
 mod term;
 

@@ -195,10 +195,32 @@ impl<'a> Session<'a> {
     pub fn fitted(
         &self,
         response: &Response,
-        (terms, numbers): (&[Term], &[Vec<f64>]),
-        mut start: Point,
+        written: (&[Term], &[Vec<f64>]),
+        start: Point,
         near: Option<&Linearisation>,
         (steps, derivatives): (usize, usize),
+    ) -> Option<Law> {
+        self.by(response, written, start, &|problem, start| problem.fit_steps(start, near, steps, derivatives))
+    }
+
+    /// Fits terms over the first `share` of the recordings, from a point that was found in less of them or along another path.
+    pub fn longer(
+        &self,
+        response: &Response,
+        written: (&[Term], &[Vec<f64>]),
+        start: Point,
+        share: f64,
+    ) -> Option<Law> {
+        self.by(response, written, start, &|problem, start| problem.fit_share(start, share))
+    }
+
+    /// Fits terms with these numbers by `fit`; parameters and initial states begin where `start` has them.
+    fn by(
+        &self,
+        response: &Response,
+        (terms, numbers): (&[Term], &[Vec<f64>]),
+        mut start: Point,
+        fit: &dyn Fn(&Problem, Point) -> Result<Fit>,
     ) -> Option<Law> {
         let simulator = self.carrying(response, terms, numbers).ok()?;
         let all = simulator.parameters();
@@ -212,20 +234,9 @@ impl<'a> Session<'a> {
         // A log of its own: what a fit may do must not depend on others that run at the same time.
         let own = RolloutLog::default();
         let problem = self.problem(simulator.as_ref(), &free, Some(&own));
-        let fit = problem.fit_steps(start, near, steps, derivatives);
+        let fit = fit(&problem, start);
         self.log.add(own.count());
         Some(self.law(terms.to_vec(), fit.ok()?, first))
-    }
-
-    /// Fits a law of a first part of the recordings on, over the first `share` of them.
-    pub fn longer(&self, response: &Response, law: &Law, share: f64) -> Option<Law> {
-        let simulator = self.carrying(response, &law.terms, &law.numbers()).ok()?;
-        let free: Vec<usize> = self.free.iter().copied().chain(law.first..simulator.parameters().len()).collect();
-        let own = RolloutLog::default();
-        let problem = self.problem(simulator.as_ref(), &free, Some(&own));
-        let fit = problem.fit_share(law.fit.point.clone(), share);
-        self.log.add(own.count());
-        Some(self.law(law.terms.clone(), fit.ok()?, law.first))
     }
 
     /// Fits a law on, to the end.

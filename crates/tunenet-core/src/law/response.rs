@@ -98,45 +98,68 @@ pub(super) struct Response {
     variables: Vec<Vec<f64>>,
 }
 
-/// What is measured: recordings with their noise, and a fit to them with the law that it has, if any.
+/// About what a response is measured: a recording with its noise, and a fit to it with the law that it has, if any.
 pub(super) struct Fitted<'a> {
-    pub recordings: &'a [Prepared],
-    pub noise: &'a [Vec<f64>],
-    pub point: &'a Point,
-    pub residuals: &'a [Vec<f64>],
-    /// Derivatives by the base model's parameters and by initial states.
-    pub columns: &'a [Columns],
+    pub recording: &'a Prepared,
+    pub noise: &'a [f64],
+    /// Of the base model, then the law's numbers.
+    pub parameters: &'a [f64],
+    pub nuisances: &'a [f64],
+    pub residuals: &'a [f64],
     pub law: &'a [Carried],
     pub numbers: &'a [Vec<f64>],
 }
 
+impl<'a> Fitted<'a> {
+    /// Each recording of a fit with a law.
+    pub fn each(
+        recordings: &'a [Prepared],
+        noise: &'a [Vec<f64>],
+        (point, residuals): (&'a Point, &'a [Vec<f64>]),
+        (law, numbers): (&'a [Carried], &'a [Vec<f64>]),
+    ) -> Vec<Self> {
+        let one = |(d, recording): (usize, &'a Prepared)| Self {
+            recording,
+            noise: &noise[d],
+            parameters: &point.parameters,
+            nuisances: &point.nuisances[d],
+            residuals: &residuals[d],
+            law,
+            numbers,
+        };
+        recordings.iter().enumerate().map(one).collect()
+    }
+}
+
 impl Response {
-    /// Measures it by rollouts, one for each piece, axis and recording.
-    pub fn measure(host: &dyn Host, of: &Fitted, log: &RolloutLog) -> Result<Self> {
+    /// Measures it by rollouts, one for each piece, axis and recording; the columns are derivatives by the base model's parameters and by
+    /// initial states.
+    pub fn measure(host: &dyn Host, all: &[Fitted], columns: &[Columns], log: &RolloutLog) -> Result<Self> {
         let space = host.space();
-        let model = host.carrying(of.law)?;
-        let (mut parts, mut without) = (Vec::new(), of.residuals.to_vec());
-        for (d, recording) in of.recordings.iter().enumerate() {
-            let clock = recording.seen.clock();
+        let (mut parts, mut without) = (Vec::new(), Vec::new());
+        for of in all {
+            let model = host.carrying(of.law)?;
+            let clock = of.recording.seen.clock();
             let pieces = (clock.len() / SAMPLES).clamp(2, MOST_PIECES);
             let (first, last) = (clock[0], clock[clock.len() - 1]);
             let span_s = (last - first) / pieces as f64;
             let count = pieces * INSTANTS;
             let instant = |i: usize| first + span_s * (i as f64 + 0.5) / INSTANTS as f64;
             let instants: Vec<f64> = (0..count).map(instant).collect();
-            let point = of.point;
-            let visits = model.visits(recording, &point.parameters, &point.nuisances[d], &instants)?;
+            let visits = model.visits(of.recording, of.parameters, of.nuisances, &instants)?;
             log.add(1);
-            let response = response(host, of, d, (first, span_s, pieces), log)?;
+            let response = response(host, of, (first, span_s, pieces), log)?;
+            let mut left = of.residuals.to_vec();
             for (carried, numbers) in of.law.iter().zip(of.numbers) {
                 let change = answer(&visits, &response, &carried.term, numbers);
-                without[d].iter_mut().zip(change.iter()).for_each(|(left, change)| *left += change);
+                left.iter_mut().zip(change.iter()).for_each(|(left, change)| *left += change);
             }
             parts.push((visits, response));
+            without.push(left);
         }
         let visited: Vec<&[Visit]> = parts.iter().map(|(visits, _)| visits.as_slice()).collect();
         let ranges = ranges(&visited, space.variables.len());
-        Ok(Self::reduced(parts, without, of.columns, ranges, space.axes.len()))
+        Ok(Self::reduced(parts, without, columns, ranges, space.axes.len()))
     }
 
     fn reduced(
@@ -260,6 +283,12 @@ impl Response {
         each.map(|change| change.iter().copied().collect()).collect()
     }
 
+    /// The same of one recording.
+    pub fn answer_of(&self, recording: usize, term: &Term, numbers: &[f64]) -> Vec<f64> {
+        let part = &self.parts[recording];
+        answer(&part.all, &part.response, term, numbers).iter().copied().collect()
+    }
+
     /// How many coordinates all recordings have together.
     pub fn dimension(&self) -> usize {
         self.left.coordinates.len()
@@ -291,12 +320,11 @@ fn answer(visits: &[Visit], response: &DMatrix<f64>, term: &Term, numbers: &[f64
 fn response(
     host: &dyn Host,
     of: &Fitted,
-    d: usize,
     (first, span_s, pieces): (f64, f64, usize),
     log: &RolloutLog,
 ) -> Result<DMatrix<f64>> {
     let space = host.space();
-    let (recording, noise, point) = (&of.recordings[d], &of.noise[d], of.point);
+    let (recording, noise) = (of.recording, of.noise);
     let clock = recording.seen.clock();
     let weigh =
         |values: Vec<f64>| -> Vec<f64> { values.iter().enumerate().map(|(i, v)| v / noise[i % noise.len()]).collect() };
@@ -310,8 +338,8 @@ fn response(
         let with = host.carrying(&of.law.iter().cloned().chain([window]).collect::<Vec<_>>())?;
         let run = |a: f64, b: usize| {
             let (from, to) = (first + span_s * b as f64, first + span_s * (b + 1) as f64);
-            let numbers: Vec<f64> = point.parameters.iter().copied().chain([a, from, to]).collect();
-            predict(with.as_ref(), recording, &numbers, &point.nuisances[d], clock).map(weigh)
+            let numbers: Vec<f64> = of.parameters.iter().copied().chain([a, from, to]).collect();
+            predict(with.as_ref(), recording, &numbers, of.nuisances, clock).map(weigh)
         };
         // The size that moves the record by about its noise: measured with a first piece, then used for all.
         let still = run(0.0, 0)?;

@@ -126,7 +126,7 @@ fn recordings_share_their_noise_where_what_each_shows_of_it_differs_by_chance() 
 
 /// A weight on a spring: three periods, of which the response about a free fall says nothing beyond the first.
 #[test]
-fn a_force_that_turns_the_motion_over_again_and_again_is_found_from_its_first_part() {
+fn a_force_that_turns_the_motion_over_again_and_again_is_found_about_the_path() {
     let omega = 13.0;
     let path =
         |_: usize, v0: f64, t: f64| v0 / omega * (omega * t).sin() - 9.0 / (omega * omega) * (1.0 - (omega * t).cos());
