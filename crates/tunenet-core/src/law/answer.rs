@@ -10,12 +10,13 @@ use crate::observation::Observation;
 
 /// Residual force, in nats: odds of twenty to one.
 pub const MOST_FORCE_NATS: f64 = 3.0;
-/// Probability of recordings that differ so much by chance.
+/// A law whose recordings differ so much, or whose held-out recordings leave so much, is refused where that has a smaller probability by
+/// chance, and does not stand alone below the second one.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-/// Held-out recordings leave at most so many times the noise, what the uncertainty of the law's constants explains aside, or no more than
-/// comes by chance with this probability.
-pub const MOST_HELD_OUT: f64 = 1.05;
 const CHANCE: f64 = 0.01;
+/// Held-out recordings that leave no more than so many times the noise, what the uncertainty of the law's constants explains aside, pass in
+/// any case.
+pub const MOST_HELD_OUT: f64 = 1.05;
 /// A constant lies at an end of its range within this share of it.
 const AT_BOUND: f64 = 1e-3;
 /// Residual force on held-out recordings, in nats: by Markov's inequality odds of a thousand to one have at most that probability.
@@ -66,6 +67,8 @@ pub enum Reason {
     Few,
     /// Recordings ask for constants that differ more than in one case of a hundred by chance.
     Differ,
+    /// Held-out recordings leave more than fitted ones, so much more that it comes in less than one case of a hundred by chance.
+    LeavesMore,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.
@@ -105,8 +108,7 @@ impl Gates {
     pub fn failed(&self) -> Option<Reason> {
         let unlikely = |p: Option<f64>| p.is_some_and(|p| p < LEAST_PROBABILITY);
         let worse = self.held_out_ratio.is_some_and(|ratio| self.held_out_base.is_some_and(|base| ratio > base));
-        let beyond = self.held_out_left.is_some_and(|left| left > MOST_HELD_OUT);
-        let beyond = beyond && self.held_out_p.is_some_and(|p| p < CHANCE);
+        let beyond = self.leaves_more(LEAST_PROBABILITY);
         let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_HELD_OUT_FORCE_NATS);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
         if unlikely(self.heterogeneity_p) {
@@ -120,10 +122,17 @@ impl Gates {
         }
     }
 
-    /// Whether recordings ask for constants that differ more than in one case of a hundred by chance: too much for a law that stands alone.
+    /// What speaks against a law that stands alone: what comes by chance in less than one case of a hundred.
     #[must_use]
-    pub fn asks_for_others(&self) -> bool {
-        [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE)
+    pub fn doubt(&self) -> Option<Reason> {
+        let differ = [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE);
+        let more = self.leaves_more(CHANCE).then_some(Reason::LeavesMore);
+        if differ { Some(Reason::Differ) } else { more }
+    }
+
+    /// Whether held-out recordings leave more than the fitted ones, and so much more that it has a smaller probability by chance.
+    fn leaves_more(&self, probability: f64) -> bool {
+        self.held_out_left.is_some_and(|left| left > MOST_HELD_OUT) && self.held_out_p.is_some_and(|p| p < probability)
     }
 }
 
@@ -318,8 +327,13 @@ mod tests {
     fn a_law_whose_recordings_differ_stands_but_not_alone() {
         let differ = |p: f64| Gates { held_out_differ_p: Some(p), ..gates(0.0, 0.0) };
         assert_eq!(
-            [0.02, 0.002].map(|p| (differ(p).failed(), differ(p).asks_for_others())),
-            [(None, false), (None, true)]
+            [0.02, 0.002].map(|p| (differ(p).failed(), differ(p).doubt())),
+            [(None, None), (None, Some(Reason::Differ))]
+        );
+        let leaves = |p: f64| Gates { held_out_p: Some(p), ..gates(0.0, 0.0) };
+        assert_eq!(
+            [0.02, 0.002].map(|p| (leaves(p).failed(), leaves(p).doubt())),
+            [(None, None), (None, Some(Reason::LeavesMore))]
         );
     }
 
@@ -330,9 +344,9 @@ mod tests {
         assert_eq!(gates(2.9, 7.0).failed(), Some(Reason::HeldOut));
         assert_eq!(gates(3.1, 7.0).failed(), Some(Reason::ResidualForce));
         assert_eq!(Gates { heterogeneity_p: Some(9e-4), ..gates(3.1, 7.0) }.failed(), Some(Reason::Heterogeneity));
-        assert_eq!(Gates { held_out_p: Some(9e-3), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
-        let close = Gates { held_out_p: Some(9e-3), held_out_left: Some(1.04), ..gates(0.0, 0.0) };
-        assert_eq!(close.failed(), None, "so little is no error");
+        assert_eq!(Gates { held_out_p: Some(9e-4), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
+        let close = Gates { held_out_p: Some(9e-4), held_out_left: Some(1.04), ..gates(0.0, 0.0) };
+        assert_eq!((close.failed(), close.doubt()), (None, None), "so little is no error");
         assert_eq!(Gates { held_out_base: Some(0.99), ..gates(0.0, 0.0) }.failed(), Some(Reason::HeldOut));
     }
 }

@@ -260,7 +260,7 @@ fn conclude(
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
-        [one] if one.gates.asks_for_others() => (Verdict::OneOf, Some(Reason::Differ)),
+        [one] if one.gates.doubt().is_some() => (Verdict::OneOf, one.gates.doubt()),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [_] if session.recordings.len() + answer.held_out < LEAST_RECORDINGS => (Verdict::OneOf, Some(Reason::Few)),
         [_] => (Verdict::Law, None),
