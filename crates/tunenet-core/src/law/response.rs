@@ -15,7 +15,7 @@ use crate::statistics::{mean, quantile};
 
 /// Samples in a piece of constant acceleration, and most pieces of a recording.
 const SAMPLES: usize = 3;
-const MOST_PIECES: usize = 50;
+const MOST_PIECES: usize = 40;
 /// Instants of a piece over which the factors of a term are averaged: an odd number, so that one is the middle.
 const INSTANTS: usize = 5;
 /// Directions of the acceleration that change the record by less than this share of the strongest are left out.
