@@ -79,8 +79,19 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     assert!(!within.stderr.contains("effect.outside"), "{}", within.stderr);
     let beyond = folder.run("simulate --sim improved.toml --set start.q_rad=4.0 --out beyond.csv").ends(0);
     assert!(beyond.stderr.contains("`q_rad` is 4.000 at 0.000 s"), "{}", beyond.stderr);
+    // The numbers of the law stay as they are, which is said, unless its table asks for their estimate.
+    let held =
+        |json: &serde_json::Value| json["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "effects.held");
     let tuned = folder.run("tune --sim improved.toml 0.csv 1.csv 2.csv --json").ends(0).json();
-    assert_eq!(tuned["verdict"], "tuned", "{tuned:#}");
+    assert!(tuned["verdict"] == "tuned" && held(&tuned), "{tuned:#}");
+    folder.write("open.toml", improved.replace("[effects.law]\n", "[effects.law]\ntune = true\n"));
+    let open = folder.run("tune --sim open.toml 0.csv 1.csv 2.csv --json").ends(0).json();
+    assert!(open["verdict"] == "tuned" && !held(&open), "{open:#}");
+    let width = |json: &serde_json::Value| {
+        let interval = &json["parameters"]["stiffness"]["interval95"];
+        interval[1].as_f64().unwrap() - interval[0].as_f64().unwrap()
+    };
+    assert!(width(&open) > 1.2 * width(&tuned), "{open:#}");
 }
 
 #[test]

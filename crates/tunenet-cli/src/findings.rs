@@ -15,6 +15,9 @@ finding_kinds! {
     note START_ESTIMATED = "start.estimated",
         "these states are estimated in every recording, and the simulation starts where the first samples of this one show them",
         "set `start.NAME.value` on the command line to start there";
+    note EFFECTS_HELD = "effects.held",
+        "effects of the simulation file keep their values, and intervals of parameters do not include how uncertain those are",
+        "estimate them together: `tune = true` in `[effects.NAME]`";
     note SETUPS_DIFFER = "setups.differ",
         "recordings of one object differ in these keys of the scene; a written file keeps what the simulation file says of them, and \
          `observations` of its `[provenance]` has the keys of each recording under `scene`",

@@ -75,12 +75,23 @@ impl SimulationFile {
         self.domain().keys().find(|known| known.path == path).map(|known| known.shape)
     }
 
+    /// The names of effects, and whether `tune` may change their coefficients.
+    fn tunings(&self) -> impl Iterator<Item = (&str, bool)> {
+        let all = self.item("effects").and_then(Item::as_table_like);
+        let tuned = |item: &Item| item.as_table_like().and_then(|table| table.get("tune")?.as_bool()) == Some(true);
+        all.into_iter().flat_map(|all| all.iter()).map(move |(name, item)| (name, tuned(item)))
+    }
+
     /// Whether `tune` may change the coefficients of an effect.
     #[must_use]
     pub fn tunes_an_effect(&self) -> bool {
-        let all = self.item("effects").and_then(Item::as_table_like);
-        let tuned = |item: &Item| item.as_table_like().and_then(|table| table.get("tune")?.as_bool()) == Some(true);
-        all.is_some_and(|all| all.iter().any(|(_, item)| tuned(item)))
+        self.tunings().any(|(_, tuned)| tuned)
+    }
+
+    /// The names of effects whose coefficients `tune` leaves as they are.
+    #[must_use]
+    pub fn held_effects(&self) -> Vec<&str> {
+        self.tunings().filter(|(_, tuned)| !tuned).map(|(name, _)| name).collect()
     }
 
     /// Writes an effect's coefficients under `[effects.NAME]`, as [`add_effect`](Self::add_effect) does, but all of them in the order

@@ -14,6 +14,7 @@ use crate::args::Tune;
 use crate::commands::load;
 use crate::commands::odd_units::odd_units;
 use crate::files::names;
+use crate::findings::EFFECTS_HELD;
 
 /// Adds what reading the recordings, the URDF and the fit showed.
 pub fn add(
@@ -35,6 +36,7 @@ pub fn add(
         outcome.notes.splice(0..0, load::lacks(file)?);
     }
     outcome.notes.splice(0..0, load::left_out(file)?);
+    outcome.notes.extend(held(file));
     let several = recordings.len() > 1;
     let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {
@@ -44,6 +46,20 @@ pub fn add(
     });
     outcome.notes.splice(0..0, named);
     Ok(())
+}
+
+/// What to change where effects are held.
+const FREE_THEM: &str = "estimate them together: `tune = true` in `[effects.NAME]`";
+
+/// Which effects of the file the fit did not change.
+fn held(file: &SimulationFile) -> Option<Note> {
+    let names = file.held_effects();
+    let end = match names.as_slice() {
+        [] => return None,
+        [_] => "keeps its values; intervals do not include how uncertain these are",
+        _ => "keep their values; intervals do not include how uncertain these are",
+    };
+    Some(Note::new(EFFECTS_HELD, format!("{} {end}", names.join(", ")), FREE_THEM))
 }
 
 /// What to type where a fit is poor.
