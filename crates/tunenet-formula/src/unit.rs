@@ -28,6 +28,9 @@ const DERIVED: [(&str, &[(&str, f64)]); 16] = [
     ("sample", &[]),
 ];
 
+/// Degrees Celsius, with another zero than K.
+const CELSIUS: &str = "°C";
+
 impl Unit {
     /// Without a unit.
     #[must_use]
@@ -66,7 +69,17 @@ impl Unit {
                 }
             }
         }
-        Some(unit)
+        Some(unit.in_kelvin())
+    }
+
+    /// °C next to other units is a difference of temperatures, which is the same in K; °C alone is not, and neither is a power of it.
+    fn in_kelvin(mut self) -> Self {
+        let power = self.0.get(CELSIUS).copied().unwrap_or(0.0);
+        if power == -1.0 || power == 1.0 && self.0.len() > 1 {
+            self.multiply(CELSIUS, -power);
+            self.multiply("K", power);
+        }
+        self
     }
 
     fn multiply(&mut self, symbol: &str, power: f64) {
@@ -91,7 +104,7 @@ impl Unit {
         let mut unit = Self::one();
         self.0.iter().for_each(|(symbol, each)| unit.multiply(symbol, each * power));
         other.0.iter().for_each(|(symbol, each)| unit.multiply(symbol, each * other_power));
-        unit
+        unit.in_kelvin()
     }
 
     /// This unit to a power.
@@ -175,6 +188,18 @@ mod tests {
         for text in ["", "m//", "+", "m^x", "?"] {
             assert!(shown(text).is_none() || text == "m//", "{text}");
         }
+    }
+
+    #[test]
+    fn differences_in_celsius_are_those_in_kelvin() {
+        let unit = |text: &str| Unit::parse(text).unwrap();
+        assert_eq!(unit("°C/s"), unit("K/s"));
+        assert_eq!(unit("W/°C"), unit("W/K"));
+        // A conductance times a temperature, and a share of one.
+        assert_eq!(unit("°C").product(1.0, &unit("W/K"), 1.0), unit("W"));
+        assert!(unit("°C").product(1.0, &unit("1/°C"), 1.0).is_one());
+        assert_ne!(unit("°C"), unit("K"), "their zeros differ");
+        assert_ne!(unit("°C").power(4.0).product(1.0, &unit("W/K^4"), 1.0), unit("W"));
     }
 
     #[test]
