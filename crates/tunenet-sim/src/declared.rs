@@ -57,7 +57,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         absent: candidate.absent(c),
         min: c.min,
         max: c.max,
-        typical: c.typical.unwrap_or(c.max - c.min),
+        typical: c.typical(false),
         number: None,
         shape: false,
         channels: None,

@@ -253,15 +253,13 @@ fn entry(name: &str, candidate: &Candidate, directions: usize) -> Effect {
     let own = |text: &str| Cow::Owned(text.to_owned());
     let several = |(key, c): (&String, &CandidateCoefficient)| -> Vec<(Coefficient, (f64, f64))> {
         let absent = candidate.absent(c);
-        // What switches the effect off begins near its absence; what shapes it begins anywhere.
-        let share = if c.absent.is_some() { 0.05 } else { 0.25 };
         let one = Coefficient {
             key: own(key),
             unit: own(&c.unit),
             absent,
             min: c.min,
             max: c.max,
-            typical: c.typical.unwrap_or(share * (c.max - c.min)),
+            typical: c.typical(c.absent.is_none()),
             number: None,
             shape: c.absent.is_none(),
             channels: None,

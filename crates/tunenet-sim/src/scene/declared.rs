@@ -187,6 +187,16 @@ pub struct CandidateCoefficient {
     pub plausible: Option<(f64, f64)>,
 }
 
+impl CandidateCoefficient {
+    /// Where fits begin, as a distance from `absent`: where nothing is said, a share of the range. What switches an effect off begins near
+    /// its absence; what only `shapes` it begins anywhere.
+    #[must_use]
+    pub fn typical(&self, shapes: bool) -> f64 {
+        let share = if shapes { 0.25 } else { 0.05 };
+        self.typical.unwrap_or(share * (self.max - self.min))
+    }
+}
+
 fn one() -> String {
     "1".into()
 }

@@ -51,13 +51,12 @@ fn missing(root: &Table, declares: Declares) -> Option<Wrong> {
         let within = format!("candidates.{name}.coefficients");
         let all = tables(root, &within);
         if all.is_empty() {
-            let keys = if declares.formulas() { "`min` and `max`" } else { "`min`, `max` and `typical`" };
+            let keys = if declares.needs_typical() { "`min`, `max` and `typical`" } else { "`min` and `max`" };
             let expected = format!("at least one [{within}.KEY] with {keys}");
             return Some(wrong(format!("candidates.{name}"), Some(item), expected, "none"));
         }
         for (key, item, table) in all {
-            // A formula's number has a range to begin in.
-            let needed = COEFFICIENT_KEYS.iter().filter(|key| !(declares.formulas() && key.path == "typical"));
+            let needed = COEFFICIENT_KEYS.iter().filter(|key| key.path != "typical" || declares.needs_typical());
             if let Some(found) = lacks(format!("{within}.{key}"), item, table, needed.collect()) {
                 return Some(found);
             }
@@ -421,6 +420,20 @@ tune = true
         let before = file.clone();
         assert!(file.set("effects.backlash.rad=0.1").unwrap_err().to_string().contains("declares"));
         assert_eq!(file, before);
+    }
+
+    /// A program says where fits of its numbers begin; a formula's number begins within its range.
+    #[test]
+    fn a_formula_may_leave_out_where_fits_of_its_numbers_begin() {
+        let refused = parsed(&FILE.replace("typical = 0.01\n", "")).unwrap_err();
+        assert!(refused.contains("`candidates.delay.coefficients.s.typical`"), "{refused}");
+        let equations = "kind = \"equations\"\nstates.x_m = {}\nstart.x_m.value = 1\nderivatives.x_m = \"-k*x_m\"\n\
+                         outputs.x_m = \"x_m\"\nparameters.k = { value = 1, min = 0, max = 2 }\n\
+                         candidates.drift = { sentence = \"it drifts\", acts = \"body\", adds.x_m = \"c\", \
+                         coefficients.c = { min = -1, max = 3 } }\n";
+        let file = parsed(equations).unwrap();
+        let own = &file.candidate("drift").unwrap().coefficients["c"];
+        assert!((own.typical(false) - 0.2).abs() < 1e-15);
     }
 
     #[test]

@@ -142,6 +142,11 @@ impl Declares {
         matches!(self, Self::Ball | Self::Arm | Self::Robot)
     }
 
+    /// Whether a candidate has to say where fits of its numbers begin; a formula's number has a range to begin in.
+    pub(super) fn needs_typical(self) -> bool {
+        self == Self::Program
+    }
+
     /// Whether candidates may state where they were seen to hold.
     fn takes_ranges(self) -> bool {
         self.formulas() || self == Self::Equations
