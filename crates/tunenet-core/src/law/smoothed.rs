@@ -80,8 +80,8 @@ pub(super) fn smoothed(session: &Session, base: &Around, best: Option<&Law>) -> 
     laws
 }
 
-/// About paths that follow the recordings.
-fn along(session: &Session, base: &Around, clock: usize) -> Result<Around> {
+/// About paths that follow the recordings; `clock` is the position of that variable.
+pub(super) fn along(session: &Session, base: &Around, clock: usize) -> Result<Around> {
     let (recordings, noise) = (session.recordings, session.noise);
     let forces: Vec<Force> = base.response.parts.iter().map(|part| force(session, part, clock)).collect();
     let starts = starts(session, base, &forces)?;

@@ -138,6 +138,30 @@ fn a_force_that_turns_the_motion_over_again_and_again_is_found_about_the_path() 
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
 }
 
+/// Pushed by A cos(ωt): a force of bumps in time follows the speed v₀ − g t + (A/ω) sin(ωt), of which a free fall knows nothing.
+#[test]
+fn a_path_follows_its_recording_where_the_base_model_does_not() {
+    let (g, push, omega) = (9.8, 40.0, 6.0);
+    let host = Line::new();
+    let path =
+        |_: usize, v0: f64, t: f64| v0 * t - 0.5 * g * t * t + push / (omega * omega) * (1.0 - (omega * t).cos());
+    let (fitted, log) = (prepared(&host, &recordings(&SPEEDS, 3, &path)), RolloutLog::default());
+    let noise = vec![vec![NOISE_M]; fitted.len()];
+    let session = Session::new(&host, &fitted, (&noise, None), &log, 10_000).unwrap();
+    let base = Around::base(&session, &log).unwrap();
+    let along = super::smoothed::along(&session, &base, 2).unwrap();
+    let off = |around: &Around| {
+        let each = around.response.parts.iter().zip(SPEEDS).flat_map(|(part, v0)| {
+            part.visits.iter().map(move |visit| {
+                let (speed, t) = (visit.variables[1], visit.variables[2]);
+                (speed - (v0 - g * t + push / omega * (omega * t).sin())).abs()
+            })
+        });
+        each.fold(0.0, f64::max)
+    };
+    assert!(off(&base) > 2.0 && off(&along) < 0.3, "{} {}", off(&base), off(&along));
+}
+
 /// A resistance that differs from recording to recording is no law.
 #[test]
 fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
