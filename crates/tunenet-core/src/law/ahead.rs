@@ -147,18 +147,19 @@ impl<'a> Ahead<'a> {
             let near = self.starts.as_ref().and_then(|all| {
                 problem.fit(Point { parameters: parameters.to_vec(), nuisances: vec![all[d].clone()] }, 1.0).ok()
             });
-            let poor =
-                near.as_ref().is_none_or(|fit| robust_squares(&fit.residuals) > MUCH * fit.residuals[0].len() as f64);
-            let searched = poor.then(|| {
-                let direct = problem.fit(start(), 1.0).ok();
+            let is_poor = |fit: &Fit| robust_squares(&fit.residuals) > MUCH * fit.residuals[0].len() as f64;
+            let mut found: Vec<Fit> = near.into_iter().collect();
+            if found.iter().all(is_poor) {
+                found.extend(problem.fit(start(), 1.0).ok());
+            }
+            if found.iter().all(is_poor) {
                 // A start that is guessed badly is found from the first samples on.
                 let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
-                let grown =
-                    GROWING_SHARES.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0).ok());
-                direct.into_iter().chain(grown).collect::<Vec<_>>()
-            });
+                let grown = GROWING_SHARES.iter().try_fold(start(), longer);
+                found.extend(grown.and_then(|point| problem.fit(point, 1.0).ok()));
+            }
             let left = |fit: &Fit| robust_squares(&fit.residuals);
-            let fit = near.into_iter().chain(searched.into_iter().flatten()).min_by(|a, b| left(a).total_cmp(&left(b)));
+            let fit = found.into_iter().min_by(|a, b| left(a).total_cmp(&left(b)));
             log.add(own.count());
             let fit = fit?;
             starts.extend(fit.point.nuisances);

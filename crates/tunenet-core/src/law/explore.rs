@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::around::Around;
-use super::begin::{WHOLE, begun};
+use super::begin::begun;
 use super::forms::{distinct, is_same, ranked};
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
@@ -43,7 +43,7 @@ fn settled(session: &Session, around: &Around, law: &Law) -> Law {
 
 /// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.
 pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
-    let (singles, mut laws) = begun(session, &base, WHOLE);
+    let (singles, mut laws) = begun(session, &base);
     let before = session.log.count();
     laws.extend(smoothed(session, &base, laws.first()));
     // What this takes is not taken from the search about the whole, which goes on as it would have without it.
