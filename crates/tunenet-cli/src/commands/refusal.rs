@@ -41,9 +41,10 @@ pub fn of_program(file: &SimulationFile, asked: Asked, error: &tunenet_core::Err
         tunenet_core::Error::Simulator { message, .. } => format!("{subject} refused {values}: {message}"),
         _ => return None,
     };
+    let effects = if file.effects().is_empty() { "" } else { " or a number of `[effects.NAME]`" };
     let hint = match asked {
         Asked::Present => format!(
-            "begin with values that it can simulate: change `[parameters.NAME] value` in the file, or `--set \
+            "begin with values that it can simulate: change `[parameters.NAME] value`{effects} in the file, or `--set \
              parameters.{example}.value=…`"
         ),
         Asked::Within => "narrow the bounds of `[parameters.NAME]` to what it can simulate".into(),
