@@ -426,7 +426,7 @@ tune = true
     #[test]
     fn a_formula_may_leave_out_where_fits_of_its_numbers_begin() {
         let refused = parsed(&FILE.replace("typical = 0.01\n", "")).unwrap_err();
-        assert!(refused.contains("`candidates.delay.coefficients.s.typical`"), "{refused}");
+        assert!(refused.contains("`candidates.delay.coefficients.s`: expected `typical`"), "{refused}");
         let equations = "kind = \"equations\"\nstates.x_m = {}\nstart.x_m.value = 1\nderivatives.x_m = \"-k*x_m\"\n\
                          outputs.x_m = \"x_m\"\nparameters.k = { value = 1, min = 0, max = 2 }\n\
                          candidates.drift = { sentence = \"it drifts\", acts = \"body\", adds.x_m = \"c\", \
