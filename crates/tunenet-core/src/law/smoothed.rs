@@ -33,11 +33,11 @@ const REACH: f64 = 10.0;
 /// Steps of the fit of a path.
 const STEPS: usize = 8;
 /// How many laws begin about the paths, of one factor and of two.
-const SINGLES: usize = 10;
-const PRODUCTS: usize = 4;
+const SINGLES: usize = 6;
+const PRODUCTS: usize = 3;
 /// Over which first shares of the recordings how many of them are fitted one after the other: fewer and fewer of the best (Jamieson and
 /// Talwalkar 2016).
-const SHARES: [(f64, usize); 5] = [(0.2, SINGLES + PRODUCTS), (0.35, 4), (0.5, 3), (0.75, 2), (1.0, 2)];
+const SHARES: [(f64, usize); 5] = [(0.2, SINGLES + PRODUCTS), (0.35, 3), (0.5, 2), (0.75, 2), (1.0, 2)];
 
 /// A path that follows one recording.
 struct Path {
@@ -55,7 +55,7 @@ type Force = (Vec<Term>, Vec<Vec<f64>>);
 
 /// Laws about paths that follow the recordings, fitted to the whole of them, where `best` leaves far more than the noise.
 pub(super) fn smoothed(session: &Session, base: &Around, best: Option<&Law>) -> Vec<Law> {
-    if best.is_some_and(|best| session.scale(best) < FAR) {
+    if !session.within() || best.is_some_and(|best| session.scale(best) < FAR) {
         return Vec::new();
     }
     let clock = session.host.space().variables.iter().position(|v| v.nature == Nature::Clock);

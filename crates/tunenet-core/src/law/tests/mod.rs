@@ -255,8 +255,9 @@ fn a_response_follows_a_force_that_turns_over_within_a_piece() {
         let t = k as f64 * 0.01;
         let after = (t - top).max(0.0);
         let wanted = -0.5 * a * (t - after).powi(2) - a * top * after + 0.5 * a * after * after;
-        // The turn lies within a tenth of a piece of 3 samples, 0.03 s.
-        let off = 2.0 * a * 0.003 * after + 0.5 * a * 0.03_f64.powi(2);
+        // The turn lies within a tenth of a piece, of which a recording has at most 40.
+        let piece = SECONDS / 40.0;
+        let off = 2.0 * a * 0.1 * piece * after + 0.5 * a * piece.powi(2);
         assert!((found * NOISE_M - wanted).abs() < off, "{t}: {} {wanted}", found * NOISE_M);
     }
 }
