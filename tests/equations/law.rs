@@ -41,6 +41,8 @@ fn recorded(force: impl Fn(f64, f64) -> f64) -> Folder {
 #[test]
 fn a_hardening_spring_is_a_law_that_its_file_holds() {
     let folder = recorded(|q, _| -0.5 * q * q * q);
+    // A parameter has the name that the law's coefficient would have.
+    folder.write("swing.toml", FILE.replace("damping", "a"));
     // Starts that differ from recording to recording are no hindrance.
     let entry = |i: i32| {
         let held_out = if i > 2 { "held_out = true\n" } else { "" };
@@ -72,7 +74,7 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     let report = folder.text("law.html");
     assert!(report.contains("Along dq_rad_s over q_rad") && report.contains("the solid line has the law"), "{line}");
     let improved = folder.text("improved.toml");
-    assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]"), "{improved}");
+    assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]\na_law = "), "{improved}");
     // Seen between some angles alone: within them nothing is said, beyond them the first instant outside.
     assert!(improved.contains("valid = { q_rad = ["), "{improved}");
     let within = folder.run("simulate --sim improved.toml --set start.q_rad=0.5 --out again.csv").ends(0);

@@ -122,7 +122,12 @@ mod tests {
 
     fn space() -> Space {
         let direction = |names: &[&str]| Direction { components: names.iter().map(ToString::to_string).collect() };
-        Space { directions: vec![direction(&["x"]), direction(&["x", "y"])], variables: vec![], axes: vec![0] }
+        Space {
+            directions: vec![direction(&["x"]), direction(&["x", "y"])],
+            variables: vec![],
+            axes: vec![0],
+            taken: vec![],
+        }
     }
 
     fn term(direction: usize, factors: &[(Shape, usize, Option<f64>)]) -> Term {

@@ -43,6 +43,20 @@ pub struct Space {
     pub variables: Vec<Variable>,
     /// Positions of the directions that are the axes: of one component each, they span every acceleration.
     pub axes: Vec<usize>,
+    /// Names besides those of the variables that no number of a law may have: formulas of the simulation use them.
+    pub taken: Vec<String>,
+}
+
+impl Space {
+    /// `wanted`, or a name that begins so and that nothing else has.
+    pub(super) fn free_name(&self, wanted: String) -> String {
+        let is_taken = |name: &String| self.taken.contains(name) || self.variables.iter().any(|v| v.name == *name);
+        let mut name = wanted;
+        while is_taken(&name) {
+            name.push_str("_law");
+        }
+        name
+    }
 }
 
 /// What one instant of a rollout visits.

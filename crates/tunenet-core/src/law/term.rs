@@ -154,12 +154,14 @@ impl Term {
     #[must_use]
     pub fn keys(&self, space: &Space) -> Vec<(String, Option<Role>)> {
         let names = &space.directions[self.direction].components;
-        let coefficient = |name: &String| if names.len() == 1 { "a".to_owned() } else { format!("a_{name}") };
+        let coefficient =
+            |name: &String| space.free_name(if names.len() == 1 { "a".to_owned() } else { format!("a_{name}") });
         let mut keys: Vec<(String, Option<Role>)> = names.iter().map(|name| (coefficient(name), None)).collect();
         for (i, factor) in self.factors.iter().enumerate() {
             let number = if self.factors.len() > 1 { (i + 1).to_string() } else { String::new() };
             let open = factor.shape.roles().iter().skip(usize::from(factor.rounded.is_some()));
-            keys.extend(open.map(|role| (format!("{}{number}", role.letter()), Some(*role))));
+            let key = |role: &Role| space.free_name(format!("{}{number}", role.letter()));
+            keys.extend(open.map(|role| (key(role), Some(*role))));
         }
         keys
     }

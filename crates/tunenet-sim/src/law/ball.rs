@@ -44,6 +44,7 @@ impl BallHost {
             directions: DIRECTIONS.iter().map(direction).collect(),
             variables: LAW_VARIABLES.iter().map(variable).collect(),
             axes: AXES.to_vec(),
+            taken: Vec::new(),
         };
         Ok(Self { file: file.clone(), ball, space })
     }

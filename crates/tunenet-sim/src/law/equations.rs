@@ -86,7 +86,10 @@ impl EquationsHost {
                 add(vec!["around".into()], vec![Pointing::Turned { vector: [q1, q2], at: [v1, v2] }], v1);
             }
         }
-        let space = Space { axes: (0..accelerated.len()).collect(), directions, variables };
+        let parameters = files[0].parameters()?.into_iter().map(|p| p.name);
+        let others = scene.states.keys().chain(scene.constants.keys()).cloned();
+        let taken = others.chain(files[0].inputs().map(|(name, _)| name.to_owned())).chain(parameters).collect();
+        let space = Space { axes: (0..accelerated.len()).collect(), directions, variables, taken };
         let reach = Arc::new(Reach { quantities, directions: pointing, clock });
         let files = files.iter().map(|file| (*file).clone()).collect();
         let present = present.iter().map(|name| (*name).to_owned()).collect();

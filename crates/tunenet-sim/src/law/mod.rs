@@ -66,7 +66,12 @@ fn over(unit: &str, powers: &[(&str, f64)]) -> String {
 
 /// A name that starts as `wanted` and that `file` does not use yet.
 fn free_name(file: &SimulationFile, wanted: &str) -> String {
-    let taken = |name: &str| file.candidate(name).is_some() || file.effects().iter().any(|e| e.name == name);
+    let parameters = file.parameters().unwrap_or_default();
+    let taken = |name: &str| {
+        file.candidate(name).is_some()
+            || file.effects().iter().any(|e| e.name == name)
+            || parameters.iter().any(|p| p.name == name)
+    };
     let mut name = wanted.to_owned();
     while taken(&name) {
         name.push_str("_more");

@@ -35,7 +35,7 @@ impl Line {
             variable("t_s", "s", Nature::Clock, false),
         ];
         let directions = vec![Direction { components: vec!["x".into()] }];
-        Self { space: Space { directions, variables, axes: vec![0] } }
+        Self { space: Space { directions, variables, axes: vec![0], taken: Vec::new() } }
     }
 
     pub fn simulator(&self) -> Box<dyn Visiting> {
