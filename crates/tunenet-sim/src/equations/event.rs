@@ -33,8 +33,12 @@ impl Motion<'_> {
         let old = state.to_vec();
         let system = self.system;
         self.load(t, &old);
-        for (changed, program) in &system.events[event].then {
-            state[*changed] = program.value(&self.values);
+        for then in &system.events[event].then {
+            state[then.state] = then.program.value(&self.values);
+            if !state[then.state].is_finite() {
+                let part = then.written.undefined(&self.values);
+                self.unusable = part.map(|part| format!("`{}` in `{}` {}", part.text, then.path, part.what));
+            }
         }
         self.settle(t, state, None);
         let (height, speed) = self.height(event, t, state);
@@ -57,14 +61,14 @@ impl Motion<'_> {
     fn rests(&mut self, event: usize, t: f64, state: &mut [f64], jump: &[f64]) {
         let system = self.system;
         let mut gradient = vec![0.0; state.len()];
-        for (i, _) in &system.events[event].then {
-            let (now, by) = (state[*i], 1e-6 * (1.0 + state[*i].abs()));
-            state[*i] = now + by;
+        for i in system.events[event].then.iter().map(|then| then.state) {
+            let (now, by) = (state[i], 1e-6 * (1.0 + state[i].abs()));
+            state[i] = now + by;
             let above = self.height(event, t, state).1;
-            state[*i] = now - by;
+            state[i] = now - by;
             let below = self.height(event, t, state).1;
-            state[*i] = now;
-            gradient[*i] = (above - below) / (2.0 * by);
+            state[i] = now;
+            gradient[i] = (above - below) / (2.0 * by);
         }
         // An impact acts in the direction in which it changed what the speed of approach depends on.
         let along = |direction: &[f64]| -> (Vec<f64>, f64) {

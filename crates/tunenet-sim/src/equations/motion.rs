@@ -65,6 +65,8 @@ pub(super) struct Motion<'a> {
     pub supports: Vec<Vec<f64>>,
     /// Whether an event can happen: its formula has been above zero since.
     pub armed: Vec<bool>,
+    /// What an event gave a state that no state can be, for a message.
+    pub unusable: Option<String>,
     pub constraints: Vec<Constraint>,
     /// The value of every constraint's unknown where derivatives were evaluated last.
     pub unknown: Unknowns,
@@ -105,6 +107,7 @@ impl<'a> Motion<'a> {
             sides: sides.collect(),
             greatest: vec![0.0; system.surfaces.len()],
             supports: vec![Vec::new(); system.events.len()],
+            unusable: None,
             armed: vec![false; system.events.len()],
             constraints: Vec::new(),
             unknown: Unknowns::default(),

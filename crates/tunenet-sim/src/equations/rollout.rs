@@ -258,8 +258,11 @@ impl<'a> Rollout<'a> {
         Err(self.at_part().unwrap_or_else(|| format!("`{name}` grows beyond all bounds at {} s", self.time())))
     }
 
-    /// The part of a derivative that has no finite value here or where the next step leads, where there is one.
+    /// The part of an event or of a derivative that has no finite value here or where the next step leads, where there is one.
     fn at_part(&self) -> Option<String> {
+        if let Some(part) = &self.motion.unusable {
+            return Some(format!("{part} at {} s", self.time()));
+        }
         let system = self.motion.system;
         let (ahead, later) = self.stepper.ahead();
         [(self.stepper.y.as_slice(), 0.0), (&ahead, later)].into_iter().find_map(|(state, later)| {

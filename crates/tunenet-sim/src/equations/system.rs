@@ -46,7 +46,17 @@ pub(super) struct Adds {
 #[derive(Debug, Clone)]
 pub(super) struct EventOf {
     pub when: Compiled,
-    pub then: Vec<(usize, Program)>,
+    pub then: Vec<Then>,
+}
+
+/// What a state is after an event.
+#[derive(Debug, Clone)]
+pub(super) struct Then {
+    pub state: usize,
+    pub program: Program,
+    /// As it was written, and where, for messages.
+    pub written: Formula,
+    pub path: String,
 }
 
 /// The equations of a file.
@@ -131,7 +141,8 @@ impl System {
                 let path = format!("events.{name}.then.{state}");
                 let i = scope.state(&path, state)?;
                 let formula = scope.parse(&path, text, scope.names[i].unit.clone(), None)?;
-                then.push((i, lowering.lower(&path, &formula, None, None)?.program));
+                let program = lowering.lower(&path, &formula, None, None)?.program;
+                then.push(Then { state: i, program, written: formula, path });
             }
             events.push(EventOf { when, then });
         }

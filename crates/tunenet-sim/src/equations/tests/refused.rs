@@ -30,6 +30,23 @@ fn what_cannot_be_followed_is_refused_with_state_and_time() {
     }
 }
 
+/// At x = 0 the ball that falls from 1 m is given a speed that is none.
+#[test]
+fn what_an_event_cannot_give_is_refused_with_its_formula() {
+    for (then, wanted) in [
+        ("-v_m_s/(x_m - x_m)", "`-v_m_s/(x_m - x_m)` in `events.bounce.then.v_m_s` grows beyond all bounds at 0.45"),
+        ("v_m_s*sqrt(k*v_m_s)", "`sqrt(k*v_m_s)` in `events.bounce.then.v_m_s` has no real value at 0.45"),
+    ] {
+        let text = format!(
+            "states.x_m = {{}}\nstates.v_m_s = {{}}\nstart.x_m.value = 1\nstart.v_m_s.value = 0\nderivatives.x_m = \"v_m_s\"\n\
+             derivatives.v_m_s = \"-9.81*k\"\nevents.bounce.when = \"x_m\"\nevents.bounce.then.v_m_s = \"{then}\"\n"
+        );
+        let given = Given { parameters: vec![1.0], start: vec![1.0, 0.0], ..Given::default() };
+        let refused = tried(&system(&text, &["k"]), &given, &[0.1, 2.0]).unwrap_err();
+        assert!(refused.contains(wanted), "{then}: {refused}");
+    }
+}
+
 const FILE: &str = "states.x_m = {}
 states.v_m_s = {}
 start.x_m.value = 0
