@@ -93,10 +93,6 @@ fn searched(
     let effects = diagnosis.effects();
     let competes = effects.iter().all(|one| base.with_effects(&[one.effect.name.as_ref()]).is_ok());
     let measured = !competes && adequate(diagnosis);
-    // One answer of the measurement stands; of several, none is certain, and a law may be the better one.
-    if measured && diagnosis.verdict() == Verdict::Named {
-        return Ok(Err("an effect of the measurement explains the recordings, and a law is a force"));
-    }
     let rival = if competes { effects.iter().map(named).collect() } else { Vec::new() };
     let known = known(diagnosis, base.parameters(), &fitted);
     let settings = Settings { rival, measured, known, ..Settings::default() };
