@@ -430,7 +430,7 @@ tune = true
         let equations = "kind = \"equations\"\nstates.x_m = {}\nstart.x_m.value = 1\nderivatives.x_m = \"-k*x_m\"\n\
                          outputs.x_m = \"x_m\"\nparameters.k = { value = 1, min = 0, max = 2 }\n\
                          candidates.drift = { sentence = \"it drifts\", acts = \"body\", adds.x_m = \"c\", \
-                         coefficients.c = { min = -1, max = 3 } }\n";
+                         coefficients.c = { unit = \"m/s\", min = -1, max = 3 } }\n";
         let file = parsed(equations).unwrap();
         let own = &file.candidate("drift").unwrap().coefficients["c"];
         assert!((own.typical(false) - 0.2).abs() < 1e-15);
