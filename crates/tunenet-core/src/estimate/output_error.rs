@@ -129,7 +129,7 @@ impl Linearisation {
     }
 
     /// The columns of these shared parameters, and of all nuisance parameters.
-    fn of(&self, free: &[usize]) -> Vec<Columns> {
+    pub(crate) fn of(&self, free: &[usize]) -> Vec<Columns> {
         let kept = |one: &Columns| {
             let both = || one.indices.iter().zip(&one.shared).filter(|(index, _)| free.contains(index));
             Columns {

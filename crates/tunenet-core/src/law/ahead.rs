@@ -10,7 +10,6 @@ use super::price::WIDER;
 use super::refit::{Law, Session, robust_squares};
 use super::response::{Fitted, Response, inverse_root, root};
 use crate::Result;
-use crate::estimate::jacobian::Columns;
 use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog, residual_gap};
 use crate::simulator::{Prepared, Simulator};
 use crate::statistics::{upper_chi_squared, upper_f};
@@ -94,11 +93,9 @@ impl<'a> Ahead<'a> {
         if self.response.is_none() {
             let numbers = law.numbers();
             let carried = session.carried(response, &law.terms, &numbers);
-            let columns: Vec<Columns> =
-                linear.columns().iter().map(|one| Columns { indices: vec![], shared: vec![], ..one.clone() }).collect();
             let fit = (&point, met.residuals.as_slice());
             let all = Fitted::each(self.recordings, self.noise, fit, (&carried, &numbers));
-            self.response = Some(Response::measure(session.host, &all, &columns, session.log)?);
+            self.response = Some(Response::measure(session.host, &all, &linear.of(&[]), session.log)?);
         }
         self.starts.get_or_insert(met.starts);
         if let Some(known) = &self.response {
@@ -222,6 +219,7 @@ fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::jacobian::Columns;
 
     #[test]
     fn constants_are_not_linear_where_they_explain_most_or_leave_less_than_noise() {

@@ -11,7 +11,6 @@ use super::refit::{Law, Session};
 const SINGLES: usize = 25;
 const PRODUCTS: usize = 10;
 const FURTHER: usize = 5;
-
 /// Forms that gain less than this share of what the best gains in the linearised response are not fitted.
 const LEAST_SHARE: f64 = 0.5;
 

@@ -140,12 +140,10 @@ fn starts(session: &Session, base: &Around, forces: &[Force]) -> Result<Vec<Vec<
             left[d].iter_mut().zip(change).for_each(|(left, change)| *left -= change);
         }
     }
-    let own = |one: &Columns| Columns { indices: vec![], shared: vec![], ..one.clone() };
-    let columns: Vec<Columns> = session.linear.columns().iter().map(own).collect();
     let simulator = session.host.carrying(&[])?;
     let (recordings, noise) = (session.recordings, session.noise);
     let problem = Problem { simulator: simulator.as_ref(), recordings, noise, free: &[], log: None };
-    Ok(problem.stepped(&base.point, &columns, &left).nuisances)
+    Ok(problem.stepped(&base.point, &session.linear.of(&[]), &left).nuisances)
 }
 
 /// The path of one recording: the heights of its force and the initial state, fitted through rollouts.
@@ -161,10 +159,14 @@ fn path(session: &Session, base: &Around, d: usize, (terms, numbers): &Force, st
     let log = RolloutLog::default();
     let (recordings, noise) = (from_ref(&session.recordings[d]), from_ref(&session.noise[d]));
     let problem = Problem { simulator: simulator.as_ref(), recordings, noise, free: &heights, log: Some(&log) };
-    let fit = problem.fit_steps(Point { parameters, nuisances: vec![start] }, None, STEPS, STEPS)?;
     let by_base = Problem { free: &session.free, ..problem };
-    let columns = by_base.derivatives(&fit.point, &fit.residuals)?.columns()[0].clone();
+    let fitted = problem.fit_steps(Point { parameters, nuisances: vec![start] }, None, STEPS, STEPS).and_then(|fit| {
+        let linear = by_base.derivatives(&fit.point, &fit.residuals)?;
+        Ok((fit, linear.columns()[0].clone()))
+    });
+    // What is refused has taken rollouts too.
     session.log.add(log.count());
+    let (fit, columns) = fitted?;
     let numbers = fit.point.parameters[own.len()..].chunks_exact(NUMBERS).map(<[f64]>::to_vec).collect();
     Ok(Path { residuals: fit.residuals[0].clone(), point: fit.point, columns, force, numbers })
 }
