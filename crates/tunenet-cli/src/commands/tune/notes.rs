@@ -48,9 +48,6 @@ pub fn add(
     Ok(())
 }
 
-/// What to change where effects are held.
-const FREE_THEM: &str = "estimate them together: `tune = true` in `[effects.NAME]`";
-
 /// Which effects of the file the fit did not change.
 fn held(file: &SimulationFile) -> Option<Note> {
     let names = file.held_effects();
@@ -59,7 +56,7 @@ fn held(file: &SimulationFile) -> Option<Note> {
         [_] => "keeps its values; intervals do not include how uncertain these are",
         _ => "keep their values; intervals do not include how uncertain these are",
     };
-    Some(Note::new(EFFECTS_HELD, format!("{} {end}", names.join(", ")), FREE_THEM))
+    Some(Note::new(EFFECTS_HELD, format!("{} {end}", names.join(", ")), EFFECTS_HELD.remedy()))
 }
 
 /// What to type where a fit is poor.
