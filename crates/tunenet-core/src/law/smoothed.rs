@@ -40,7 +40,7 @@ const PRODUCTS: usize = 3;
 const SHARES: [(f64, usize); 5] = [(0.2, SINGLES + PRODUCTS), (0.35, 3), (0.5, 2), (0.75, 2), (1.0, 2)];
 
 /// A path that follows one recording.
-struct Path {
+struct Trajectory {
     /// The base model's parameters with the force's numbers, and the initial state.
     point: Point,
     residuals: Vec<f64>,
@@ -147,7 +147,7 @@ fn starts(session: &Session, base: &Around, forces: &[Force]) -> Result<Vec<Vec<
 }
 
 /// The path of one recording: the heights of its force and the initial state, fitted through rollouts.
-fn path(session: &Session, base: &Around, d: usize, (terms, numbers): &Force, start: Vec<f64>) -> Result<Path> {
+fn path(session: &Session, base: &Around, d: usize, (terms, numbers): &Force, start: Vec<f64>) -> Result<Trajectory> {
     let greatest = numbers.iter().fold(0.0_f64, |most, own| most.max(own[0].abs()));
     let carry =
         |(i, term): (usize, &Term)| term.carried(session.host, &base.response.ranges, i, REACH * greatest.max(1e-9));
@@ -168,5 +168,5 @@ fn path(session: &Session, base: &Around, d: usize, (terms, numbers): &Force, st
     session.log.add(log.count());
     let (fit, columns) = fitted?;
     let numbers = fit.point.parameters[own.len()..].chunks_exact(NUMBERS).map(<[f64]>::to_vec).collect();
-    Ok(Path { residuals: fit.residuals[0].clone(), point: fit.point, columns, force, numbers })
+    Ok(Trajectory { residuals: fit.residuals[0].clone(), point: fit.point, columns, force, numbers })
 }
