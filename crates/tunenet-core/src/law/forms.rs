@@ -48,6 +48,11 @@ pub(super) fn is_same(one: &[Term], other: &[Term]) -> bool {
     key(one) == key(other)
 }
 
+/// Whether these are the same form where every exponent of both is free.
+pub(super) fn is_same_open(one: &[Term], other: &[Term]) -> bool {
+    is_same(&opened(one), &opened(other))
+}
+
 fn opened(terms: &[Term]) -> Vec<Term> {
     terms.iter().map(Term::opened).collect()
 }
@@ -171,6 +176,7 @@ mod tests {
         let space = space();
         let power = |rounded| [term(0, &[(Shape::Power, 0, rounded)])];
         let constant = [term(0, &[])];
+        assert!(is_same_open(&power(None), &power(Some(2.0))) && !is_same_open(&power(None), &constant));
         for small in [&constant, &power(Some(1.0)), &power(Some(2.0))] {
             assert!(nests(&space, &power(None), small));
             assert!(!nests(&space, small, &power(None)));

@@ -78,7 +78,7 @@ use around::Around;
 use between::between;
 use evidence::{Shared, residual_force};
 use explore::explore;
-use forms::{by_need, distinct, ranked};
+use forms::{by_need, distinct, is_same_open, ranked};
 use judge::judge;
 use refit::{Law, Rival, Session};
 use response::Response;
@@ -204,7 +204,7 @@ fn conclude(
     let mut short = session.short.load(Ordering::Relaxed);
     let mut judged = 0;
     let mut second = false;
-    let mut members: Vec<(Law, Member)> = Vec::new();
+    let (mut members, mut failed): (Vec<(Law, Member)>, Vec<Vec<Term>>) = (Vec::new(), Vec::new());
     // One effect may be this law in the catalogue's words; several that add up to it are another explanation.
     let is_known = |law: &Law| settings.rival.len() == 1 && known.is_some_and(|known| known.is(law));
     for laws in [needed, near(needless)] {
@@ -228,6 +228,7 @@ fn conclude(
                     answer.rival_refused |= gate == Reason::HeldOut && is_known(&law);
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
                     answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate });
+                    failed.push(law.terms);
                 }
             }
         }
@@ -238,10 +239,14 @@ fn conclude(
     let same = members.iter().any(|(law, _)| is_known(law));
     let flexible = members.first().is_some_and(|(law, _)| alone::is_flexible(response, law));
     answer.followed = members.first().map_or_else(Vec::new, |(law, _)| followed(session, law));
+    // ... and where no test refuses another one that explains the fitted recordings better: then one of them is not what it seems.
+    let refused = members.first().and_then(|(law, _)| {
+        let ahead = |(refused, terms): &(&Refused, &Vec<Term>)| {
+            (second || refused.bic_gain > law.bic) && !is_same_open(terms, &law.terms)
+        };
+        answer.refused.iter().zip(&failed).find(ahead).map(|(refused, _)| refused.gate)
+    });
     answer.members = members.into_iter().map(|(_, member)| member).collect();
-    // ... and where no test refuses one that explains the fitted recordings better: then one of them is not what it seems.
-    let ahead_of = |member: &Member| answer.refused.iter().find(|refused| second || refused.bic_gain > member.bic_gain);
-    let refused = answer.members.first().and_then(ahead_of).map(|refused| refused.gate);
     let explains = |gain: f64| gain >= best - settings.margin && (same || !judged_known);
     let rival = settings.measured || answer.rival_bic_gain.is_some_and(explains);
     (answer.verdict, answer.reason) = match answer.members.as_slice() {
