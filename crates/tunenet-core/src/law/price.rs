@@ -6,7 +6,7 @@ use super::space::Space;
 use super::term::Term;
 
 /// How much wider than their standard deviations intervals are: what the choice of the form adds, as measured on known laws.
-pub(super) const WIDER: f64 = 1.15;
+pub(super) const WIDER: f64 = 1.07;
 
 /// Bits of how many factors a term has: none, one or two.
 const FACTORS_BITS: f64 = 1.584_962_500_721_156;
