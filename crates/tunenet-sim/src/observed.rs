@@ -125,11 +125,6 @@ pub fn seen<S: Simulator>(file: &SimulationFile, simulator: S) -> tunenet_core::
     present.iter().try_fold(Measured::new(simulator, &[])?, |measured, (name, values)| measured.fixed(name, values))
 }
 
-/// Whether effects of the measurement are there in a file of a series on its own channels.
-pub(crate) fn is_measured(file: &SimulationFile) -> bool {
-    !measured(file, Kind::Other).is_empty()
-}
-
 /// The file's effects of the measurement that show in this kind of observation.
 fn measured(file: &SimulationFile, kind: Kind) -> Vec<(String, Vec<f64>)> {
     let known = measurement_effects(kind);

@@ -113,13 +113,13 @@ pub struct Settings {
     pub rival: Vec<Named>,
     /// Where a fit of the simulation to these recordings ended, with the nuisance parameters of each.
     pub known: Option<Point>,
-    /// Whether effects of the measurement, which no law can be compared with, explain the recordings as well.
-    pub measured: bool,
+    /// Whether effects that are not fitted here, so that no law can be compared with them, explain the recordings as well.
+    pub apart: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin: 6.0, rollouts: None, rival: Vec::new(), known: None, measured: false }
+        Self { margin: 6.0, rollouts: None, rival: Vec::new(), known: None, apart: false }
     }
 }
 
@@ -248,12 +248,10 @@ fn conclude(
     });
     answer.members = members.into_iter().map(|(_, member)| member).collect();
     let explains = |gain: f64| gain >= best - settings.margin && (same || !judged_known);
-    let rival = settings.measured || answer.rival_bic_gain.is_some_and(explains);
+    let rival = settings.apart || known.is_some_and(|rival| explains(rival.most));
     (answer.verdict, answer.reason) = match answer.members.as_slice() {
         // The effect of the catalogue, written as a formula.
-        [one] if rival && !settings.measured && (same || one.alias.is_some()) => {
-            (Verdict::Named, Some(Reason::Catalogue))
-        }
+        [one] if rival && !settings.apart && (same || one.alias.is_some()) => (Verdict::Named, Some(Reason::Catalogue)),
         [] if answer.rival_refused => (Verdict::Unknown, Some(Reason::HeldOut)),
         [] if rival => (Verdict::Named, Some(Reason::Catalogue)),
         _ if rival => (Verdict::OneOf, Some(Reason::Catalogue)),

@@ -11,7 +11,7 @@ use crate::Result;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog, free, residual_gap};
-use crate::simulator::{Parameter, Prepared, Simulator};
+use crate::simulator::{Parameter, Preparation, Prepared, Simulator};
 use crate::statistics::root_mean_square;
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
@@ -281,7 +281,8 @@ impl<'a> Session<'a> {
     }
 
     /// What effects of the catalogue leave of the same recordings, fitted from what a diagnosis found, or from typical values where their
-    /// number is another; parameters and initial states begin where those of the base model are, and where those of a law are.
+    /// number is another; parameters and initial states begin where those of the base model are, and where those of a law are. The draws of
+    /// a random effect are fitted as well.
     pub fn rival(&self, named: &[Named], law: Option<&Law>) -> Option<Rival> {
         let base = self.host.carrying(&[]).ok()?;
         let names: Vec<&str> = named.iter().map(|one| one.name.as_str()).collect();
@@ -296,26 +297,47 @@ impl<'a> Session<'a> {
         let typical = |p: &Parameter| p.value + 1e-3 * p.span();
         let at = |(i, p): (usize, &Parameter)| found.get(i).copied().unwrap_or_else(|| typical(p)).clamp(p.min, p.max);
         let coefficients: Vec<f64> = all[known..].iter().enumerate().map(at).collect();
+        let recordings = self.with_draws(simulator.as_ref())?;
         let start = |of: &Point| {
             let own = of.parameters[..known].iter().chain(&coefficients);
-            Point { parameters: own.copied().collect(), nuisances: of.nuisances.clone() }
+            let and_draws = |(own, recording): (&Vec<f64>, &Prepared)| {
+                let draws = recording.nuisances[own.len()..].iter().map(|draw| draw.value);
+                own.iter().copied().chain(draws).collect()
+            };
+            let nuisances = of.nuisances.iter().zip(&recordings).map(and_draws).collect();
+            Point { parameters: own.copied().collect(), nuisances }
         };
         let starts = std::iter::once(&self.base.point).chain(law.map(|law| &law.fit.point)).map(start);
         let own = RolloutLog::default();
-        let problem = self.problem(simulator.as_ref(), &free, Some(&own));
+        let problem = Problem { recordings: &recordings, ..self.problem(simulator.as_ref(), &free, Some(&own)) };
         let fits = starts.filter_map(|start| problem.fit(start, 1.0).ok());
         let fit = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
         self.log.add(own.count());
         let fit = fit?;
         let gain = price::likelihood(self.count, self.squares, counted(&fit));
-        Some(Rival { bic: price::bic(gain, self.count, more), residuals: fit.residuals })
+        let count = |all: &[Prepared]| all.iter().map(|one| one.nuisances.len()).sum::<usize>();
+        let draws = count(&recordings) - count(self.recordings);
+        let bic = |constants| price::bic(gain, self.count, constants);
+        Some(Rival { bic: bic(more + draws), most: bic(more), residuals: fit.residuals })
+    }
+
+    /// The recordings with the draws of random effects of `simulator` as further nuisance parameters.
+    fn with_draws(&self, simulator: &dyn Simulator) -> Option<Vec<Prepared>> {
+        let one = |recording: &Prepared| {
+            let Preparation::Usable(prepared) = simulator.prepare(&recording.seen).ok()? else { return None };
+            let draws = prepared.nuisances.get(recording.nuisances.len()..)?;
+            let nuisances = recording.nuisances.iter().chain(draws).cloned().collect();
+            Some(Prepared { nuisances, ..recording.clone() })
+        };
+        self.recordings.iter().map(one).collect()
     }
 }
 
 /// Effects of the catalogue, fitted to the same recordings.
 pub(super) struct Rival {
-    /// What they gain in the information criterion.
+    /// What they gain in the information criterion; at most, if the draws of a random effect cost nothing.
     pub bic: f64,
+    pub most: f64,
     residuals: Vec<Vec<f64>>,
 }
 

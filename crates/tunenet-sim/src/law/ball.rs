@@ -73,7 +73,8 @@ impl Host for BallHost {
         }
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let ball = ball.freed(&names)?;
-        let simulator = observed::around(&self.file, ball.clone())?;
+        // Effects of the measurement that a diagnosis named compete with laws.
+        let simulator = Box::new(observed::seen(&self.file, ball.clone())?);
         let components: Vec<FlightForce> = DIRECTIONS
             .iter()
             .filter_map(|words| {

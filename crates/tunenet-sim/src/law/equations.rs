@@ -127,11 +127,8 @@ impl Host for EquationsHost {
 
     fn carrying(&self, terms: &[Carried]) -> Result<Box<dyn Visiting>> {
         let inner = self.simulator(terms, false)?;
-        let simulator: Box<dyn Simulator> = if observed::is_measured(&self.files[0]) {
-            Box::new(observed::seen(&self.files[0], inner)?)
-        } else {
-            inner
-        };
+        // Effects of the measurement that a diagnosis named compete with laws.
+        let simulator = Box::new(observed::seen(&self.files[0], inner)?);
         let states = self.simulator(terms, true)?;
         let (reach, axes, count) = (Arc::clone(&self.reach), self.axes.clone(), self.reach.clock);
         let visits = move |recording: &Prepared, parameters: &[f64], nuisances: &[f64], instants: &[f64]| {

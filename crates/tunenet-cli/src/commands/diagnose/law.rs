@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::diagnose::{Diagnosis, Doubt, Verdict};
-use tunenet_core::law::{self, Settings, search};
-use tunenet_core::simulator::{Preparation, Prepared, Simulator};
+use tunenet_core::law::{self, Named, Settings, search};
+use tunenet_core::simulator::{Preparation, Prepared, Simulator, measurement_effects};
 
 use super::law_start::{known, named};
 use crate::answers::diagnose::Loaded;
@@ -92,10 +92,13 @@ fn searched(
     }
     let effects = diagnosis.effects();
     let competes = effects.iter().all(|one| base.with_effects(&[one.effect.name.as_ref()]).is_ok());
-    let measured = !competes && adequate(diagnosis);
-    let rival = if competes { effects.iter().map(named).collect() } else { Vec::new() };
+    let apart = !competes && adequate(diagnosis);
+    let mut rival: Vec<Named> = if competes { effects.iter().map(named).collect() } else { Vec::new() };
+    // In the order in which a simulator takes their coefficients.
+    let of_measurement = measurement_effects(kind);
+    rival.sort_by_key(|one| of_measurement.iter().any(|effect| effect.name == one.name));
     let known = known(diagnosis, base.parameters(), &fitted);
-    let settings = Settings { rival, measured, known, ..Settings::default() };
+    let settings = Settings { rival, apart, known, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();
