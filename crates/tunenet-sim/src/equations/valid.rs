@@ -4,7 +4,7 @@ use super::Misfit;
 use super::body::States;
 use super::law::Quantity;
 use crate::scene::{Candidate, EquationsScene};
-use crate::valid_range::LeftRange;
+use crate::valid_range::{Farthest, LeftRange};
 
 /// A range of one candidate.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,18 +35,15 @@ pub(crate) fn ranges(scene: &EquationsScene, name: &str, candidate: &Candidate) 
     candidate.valid.iter().map(one).collect()
 }
 
-/// The first of `ranges` that states, row-major at these instants, leave.
-pub(crate) fn left(ranges: &[Range], clock_s: &[f64], states: &[f64]) -> Option<LeftRange> {
+/// Which of `ranges` states, row-major at these instants, leave farthest.
+pub(crate) fn left(ranges: &[Range], clock_s: &[f64], states: &[f64]) -> Option<Farthest> {
     let count = states.len() / clock_s.len().max(1);
-    states.chunks_exact(count.max(1)).zip(clock_s).find_map(|(row, t)| {
+    Farthest::of(states.chunks_exact(count.max(1)).zip(clock_s).map(|(row, t)| {
         let values: Vec<f64> = row.iter().copied().chain([*t]).collect();
-        ranges.iter().find_map(|range| {
-            let value = range.quantity.value(&values);
-            let within = (range.low..=range.high).contains(&value);
-            let left = || LeftRange { variable: range.name.clone(), value, time_s: *t, range: (range.low, range.high) };
-            (!within).then(left)
-        })
-    })
+        let outside =
+            |range: &Range| LeftRange::of(&range.name, range.quantity.value(&values), *t, (range.low, range.high));
+        LeftRange::farthest(ranges.iter().filter_map(outside))
+    }))
 }
 
 #[cfg(test)]
@@ -55,15 +52,15 @@ mod tests {
 
     /// A body on (3, 4) has the distance 5; the clock is the last value.
     #[test]
-    fn the_first_instant_outside_a_range_is_found() {
+    fn the_range_that_is_left_farthest_is_found() {
         let range = |name: &str, quantity, low, high| Range { name: name.into(), quantity, low, high };
         let distance = range("r_m", Quantity::Length(vec![0, 1]), 0.0, 4.9);
         let clock = range("t_s", Quantity::Slot(2), 0.0, 1.5);
         let (instants, states) = ([0.0, 1.0, 2.0], [0.0, 1.0, 3.0, 4.0, 0.0, 0.0]);
-        let found = left(&[distance.clone(), clock.clone()], &instants, &states).expect("one is left");
+        let found = left(&[distance.clone()], &instants, &states).expect("it is left").left;
         assert_eq!((found.variable.as_str(), found.value, found.time_s, found.range), ("r_m", 5.0, 1.0, (0.0, 4.9)));
-        let found = left(&[clock], &instants, &states).expect("the clock is left");
-        assert_eq!((found.value, found.time_s), (2.0, 2.0));
+        let both = left(&[distance.clone(), clock], &instants, &states).expect("both are left");
+        assert_eq!((both.left.variable.as_str(), both.left.value, both.share), ("t_s", 2.0, 2.0 / 3.0));
         assert_eq!(left(&[distance], &instants[..1], &states[..2]), None);
     }
 }

@@ -9,6 +9,7 @@ use tunenet_formula::{Divisor, Formula};
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
 use crate::scene::Candidate;
+use crate::valid_range::LeftRange;
 
 /// What a formula of a flight may use, with its unit.
 pub(crate) const VARIABLES: [(&str, &str); 9] = [
@@ -233,14 +234,13 @@ impl AppliedForce {
         self.force.depends_on_time
     }
 
-    /// The first variable that is outside the range in which the formula was seen to hold: its name, its value and the range.
-    pub(crate) fn outside(&self, t: f64, x: Vector, v: Vector) -> Option<(&'static str, f64, (f64, f64))> {
+    /// The variable that is outside the range in which the formula was seen to hold, the farthest of several.
+    pub(crate) fn outside(&self, t: f64, x: Vector, v: Vector) -> Option<LeftRange> {
         let variables = self.force.variables(t, x, v);
-        let beyond = |(variable, (low, high)): &(usize, (f64, f64))| {
-            let value = variables[*variable];
-            (!(*low..=*high).contains(&value)).then_some((VARIABLES[*variable].0, value, (*low, *high)))
+        let outside = |(variable, range): &(usize, (f64, f64))| {
+            LeftRange::of(VARIABLES[*variable].0, variables[*variable], t, *range)
         };
-        self.force.valid.iter().find_map(beyond)
+        LeftRange::farthest(self.force.valid.iter().filter_map(outside))
     }
 
     /// The values of all names of the formula along direction `i`; of a law nothing.

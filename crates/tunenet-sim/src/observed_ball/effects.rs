@@ -12,7 +12,7 @@ use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, SCATTER};
 use crate::scene::BallParameters;
-use crate::valid_range::LeftRange;
+use crate::valid_range::Farthest;
 
 /// What the spin of a throw does in the air.
 const SPIN: &str = "magnus";
@@ -149,11 +149,10 @@ impl ObservedBall {
         let place = |i: usize| Vector::new(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
         for (effect, values) in &self.fixed {
             let Some(force) = effect.force(values) else { continue };
-            let left = (1..clock.len()).find_map(|i| {
+            let left = Farthest::of((1..clock.len()).map(|i| {
                 let v = (place(i) - place(i - 1)) / (clock[i] - clock[i - 1]);
-                let (variable, value, range) = force.outside(clock[i], place(i), v)?;
-                Some(LeftRange { variable: variable.into(), value, time_s: clock[i], range })
-            });
+                force.outside(clock[i], place(i), v)
+            }));
             notes.extend(left.map(|left| left.note(effect.name())));
         }
         notes
