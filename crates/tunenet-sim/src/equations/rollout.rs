@@ -10,8 +10,9 @@ use super::runge_kutta::Stepper;
 use super::signal::Signal;
 use super::system::System;
 
-/// Most evaluations of all derivatives in a rollout, and further ones for each break of an input.
+/// Most evaluations of all derivatives in a rollout, and further ones for each instant that is asked for and each break of an input.
 const MOST_EVALUATIONS: usize = 200_000;
+const EVALUATIONS_PER_INSTANT: usize = 20;
 const EVALUATIONS_PER_BREAK: usize = 40;
 /// A state beyond this explodes.
 const GREATEST: f64 = 1e30;
@@ -79,7 +80,7 @@ impl<'a> Rollout<'a> {
             watches: Vec::new(),
             heights: vec![0.0; system.events.len()],
             scratch: (vec![0.0; n], vec![0.0; n]),
-            most_evaluations: MOST_EVALUATIONS,
+            most_evaluations: MOST_EVALUATIONS + EVALUATIONS_PER_INSTANT * run.times_s.len(),
             motion,
         })
     }
