@@ -6,6 +6,9 @@ use tunenet_formula::{Formula, FormulaError, Function, Node, Program, Tree};
 use super::Misfit;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 
+/// What `delay` is refused with.
+const NO_INPUT: &str = "what is no input: of inputs alone earlier values are known";
+
 /// What has been found in formulas so far.
 pub(super) struct Lowering<'a> {
     slots: &'a Slots,
@@ -82,7 +85,7 @@ impl<'a> Lowering<'a> {
             Node::Call { function: Function::Delay, arguments } => {
                 let input = match &arguments[0].node {
                     node if is_name_within(node, &self.slots.inputs) => self.tree(&arguments[0], own, owner)?,
-                    _ => return Err(refused(&arguments[0], "the name of an input", "something else")),
+                    _ => return Err(refused(&arguments[0], "the name of an input", NO_INPUT)),
                 };
                 let by = self.tree(&arguments[1], own, owner)?;
                 let moves = |node: &Node| {

@@ -92,7 +92,7 @@ fn what_contradicts_itself_is_refused_with_its_place() {
             "-k*delay(x_m, 0.1) +",
             "derivatives.v_m_s",
             Some(9),
-            "expected the name of an input, found something else",
+            "expected the name of an input, found what is no input: of inputs alone earlier values are known",
         ),
         ("u_n/mass", "delay(u_n, t_s)/mass", "derivatives.v_m_s", Some(20), "expected a delay of parameters"),
         ("u_n/mass", "c", "derivatives.v_m_s", Some(9), "found `c`"),
