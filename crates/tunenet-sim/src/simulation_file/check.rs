@@ -194,7 +194,10 @@ pub(crate) fn walk(
         };
         match (item.as_value().filter(|v| !v.is_inline_table()), item.as_table_like(), known.find(&full)) {
             (Some(value), _, Some(key)) if !key.shape.accepts(value) => {
-                return misfit(&key, value.to_string().trim(), value.span().unwrap_or(0..0));
+                let span = value.span().unwrap_or(0..0);
+                // As it was written: 1e300 has 301 digits.
+                let written = text.get(span.clone()).filter(|written| !written.is_empty());
+                return misfit(&key, written.map_or_else(|| value.to_string(), str::to_owned).trim(), span);
             }
             (Some(_), _, Some(_)) => {}
             (None, Some(inner), _) if known.has_table(&full) => {
