@@ -18,6 +18,11 @@ fn goal(t: f64) -> f64 {
     0.8 * (2.0 * t).sin() + 0.3 * (5.0 * t).sin()
 }
 
+/// Commands that jump every half second.
+fn jumping(t: f64) -> f64 {
+    if (2.0 * t).floor() % 2.0 == 0.0 { 0.1 } else { 0.62 }
+}
+
 /// What tuning says of a recording.
 fn said(text: String) -> Vec<String> {
     let folder = folder();
@@ -33,6 +38,7 @@ fn what_is_odd_in_a_recording_is_named() {
         ("robot.units", seen(|t| (57.3 * 4.0 * goal(t), 4.0 * late(t)))),
         ("robot.steps", seen(|t| (0.9 * (goal(t + 0.01) - goal(t)), late(t)))),
         ("robot.leader", seen(|t| (encoded(goal(t)), encoded(goal(t))))),
+        ("robot.leader", seen(|t| (jumping(t), encoded(jumping(t))))),
         ("robot.still", seen(|t| (goal(t), encoded(0.0 * t)))),
         ("robot.clock", seen(|t| (goal(t), encoded(0.95 * goal(t - 1.0))))),
         ("robot.jumps", seen(|t| (goal(t), if (t - 2.0).abs() < 1e-9 { 4.0 } else { late(t) }))),

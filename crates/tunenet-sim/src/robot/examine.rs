@@ -37,6 +37,10 @@ const AGAINST: f64 = 0.5;
 const FOLLOWING_LAGS: u32 = 25;
 /// Steps of a joint span less than one of so many parts of its way.
 const SMALL_STEPS: f64 = 3.0;
+/// Commands that jump between few values, by this much at least, are no motion of a joint that is as near to them at every sample, as a share
+/// of the jump.
+const LEAST_JUMP: f64 = 0.01;
+const JUMP_ALIKE: f64 = 0.01;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
@@ -230,6 +234,11 @@ fn position(
     let goal = goal?;
     let goals: Vec<f64> = seen.clock().iter().map(|t| goal(*t)).collect();
     let commanded = range(goals.iter().copied());
+    if layout.follows[reading.joint] && is_alike(&goals, &values) {
+        let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
+        let remedy = "record the positions of the follower, not of the leader";
+        return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
+    }
     if moved <= STILL_STEPS * encoder_step(&values) || moved == 0.0 {
         let text = format!("`{name}` never moves");
         let remedy = "leave the joint out of [joints], or record it while it moves";
@@ -267,12 +276,6 @@ fn position(
         let remedy = "record the positions that it was sent to, or add up the steps";
         return Some((Note::new(findings::ROBOT_STEPS, text, remedy), true));
     }
-    let resolution = encoder_step(&values).max(1e-6);
-    if commanded > 10.0 * resolution && goals.iter().zip(&values).all(|(goal, q)| (goal - q).abs() <= resolution) {
-        let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
-        let remedy = "record the positions of the follower, not of the leader";
-        return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
-    }
     let share = |sign: f64| explained(seen.clock(), &values, |t| sign * goal(t)).map_or(0.0, |(share, _)| share);
     if share(-1.0) > FOLLOWS && share(1.0) < AGAINST * share(-1.0) {
         let text = format!("`{name}` moves against its commands: expected one sign, found two");
@@ -293,6 +296,14 @@ fn position(
         let remedy = "give both the same clock; a command that comes after the motion that it causes explains nothing";
         (Note::new(findings::ROBOT_CLOCK, text, remedy), false)
     })
+}
+
+/// Whether positions are their commands, up to the resolution of an encoder.
+fn is_alike(goals: &[f64], values: &[f64]) -> bool {
+    let (commanded, resolution) = (range(goals.iter().copied()), encoder_step(values).max(1e-6));
+    // Where commands jump and so do these values, the smallest step of them is a jump, and no encoder's.
+    let alike = if commanded > 10.0 * resolution { resolution } else { JUMP_ALIKE * commanded };
+    commanded > LEAST_JUMP && goals.iter().zip(values).all(|(goal, q)| (goal - q).abs() <= alike)
 }
 
 /// The values less their mean.
