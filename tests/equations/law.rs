@@ -75,12 +75,12 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     assert!(report.contains("Along dq_rad_s over q_rad") && report.contains("the solid line has the law"), "{line}");
     let improved = folder.text("improved.toml");
     assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]\na_law = "), "{improved}");
-    // Seen between some angles alone: within them nothing is said, beyond them the first instant outside.
+    // Seen between some angles alone: within them nothing is said, beyond them the instant that is farthest outside.
     assert!(improved.contains("valid = { q_rad = ["), "{improved}");
     let within = folder.run("simulate --sim improved.toml --set start.q_rad=0.5 --out again.csv").ends(0);
     assert!(!within.stderr.contains("effect.outside"), "{}", within.stderr);
     let beyond = folder.run("simulate --sim improved.toml --set start.q_rad=4.0 --out beyond.csv").ends(0);
-    assert!(beyond.stderr.contains("`q_rad` is 4.000 at 0.000 s"), "{}", beyond.stderr);
+    assert!(beyond.stderr.contains("`q_rad` reaches 4.000 at 0.000 s"), "{}", beyond.stderr);
     // The numbers of the law stay as they are, which is said, unless its table asks for their estimate.
     let held =
         |json: &serde_json::Value| json["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "effects.held");
