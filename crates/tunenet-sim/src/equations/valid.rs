@@ -57,7 +57,7 @@ mod tests {
         let distance = range("r_m", Quantity::Length(vec![0, 1]), 0.0, 4.9);
         let clock = range("t_s", Quantity::Slot(2), 0.0, 1.5);
         let (instants, states) = ([0.0, 1.0, 2.0], [0.0, 1.0, 3.0, 4.0, 0.0, 0.0]);
-        let found = left(&[distance.clone()], &instants, &states).expect("it is left").left;
+        let found = left(std::slice::from_ref(&distance), &instants, &states).expect("it is left").left;
         assert_eq!((found.variable.as_str(), found.value, found.time_s, found.range), ("r_m", 5.0, 1.0, (0.0, 4.9)));
         let both = left(&[distance.clone(), clock], &instants, &states).expect("both are left");
         assert_eq!((both.left.variable.as_str(), both.left.value, both.share), ("t_s", 2.0, 2.0 / 3.0));

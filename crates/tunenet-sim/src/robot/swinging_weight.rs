@@ -37,8 +37,9 @@ impl<'a> SwingingWeight<'a> {
         if self.load.amplitude == 0.0 {
             return;
         }
-        // Also where it is not a number.
-        if self.left == 0 || !(change.abs() <= SMALL_RAD) {
+        // What is not a number is not small.
+        let small = change.abs() <= SMALL_RAD;
+        if self.left == 0 || !small {
             *self = Self::at(self.load, q);
             return;
         }
