@@ -11,7 +11,6 @@
 //! | `numbers` | a joint with its motor: duty, torque, friction |
 //! | `friction_cone` | a step of a mass with dry friction, exact where it sticks |
 //! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
-//! | `swinging_weight` | the weight of a load behind one joint, from step to step |
 //! | `trajectory` | a rollout on its grid, and how it is read |
 //! | `acting` | effects of the catalogue, and formulas of a user |
 //! | `layout` | what parameters, channels and inputs mean |
@@ -47,7 +46,6 @@ mod start;
 mod stated_gravity;
 mod stated_motor;
 mod step_error;
-mod swinging_weight;
 pub(crate) mod trajectory;
 mod two_masses;
 mod wiring;

@@ -15,7 +15,6 @@
 use super::acting::asked;
 use super::friction_cone::speed_after;
 use super::numbers::{Command, JointNumbers, Motor};
-use super::swinging_weight::SwingingWeight;
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
 use crate::formula_effect::joint::AppliedTorque;
@@ -44,13 +43,8 @@ impl Load {
 /// What the weight and springs do at the middle of a step.
 #[inline]
 pub(super) fn outside(joint: &JointNumbers, load: &Load, q: f64) -> f64 {
-    with_springs(joint, load.torque(q + joint.zero), q)
-}
-
-/// What a weight of this torque and springs do.
-#[inline]
-fn with_springs(joint: &JointNumbers, weight: f64, q: f64) -> f64 {
-    weight + joint.preload - joint.spring * (q + joint.zero)
+    let true_q = q + joint.zero;
+    load.torque(true_q) + joint.preload - joint.spring * true_q
 }
 
 /// The speed at the end of a step where the motor's torque is `motor`.
@@ -125,11 +119,10 @@ pub(super) fn roll(
     let dt = out.step_s;
     let inertia = load.inertia + joint.armature;
     let (mut q, mut w) = (q, w);
-    let mut swinging = SwingingWeight::at(load, q + 0.5 * dt * w + joint.zero);
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let weight = with_springs(joint, swinging.torque(), middle);
+        let weight = outside(joint, load, middle);
         let demand = joint.demand(command.goal, middle);
         let advance = |speed: f64| -> Result<_, &'static str> {
             let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed)?;
@@ -148,8 +141,6 @@ pub(super) fn roll(
         }
         w = after;
         out.state(k + 1, 0, q, w);
-        // From the middle of one step to that of the next.
-        swinging.go(dt * w, q + 0.5 * dt * w + joint.zero);
     }
     Ok(())
 }
