@@ -15,9 +15,6 @@ finding_kinds! {
     warning FIT_POOR = "fit.poor",
         "the tuned simulation leaves more than noise explains",
         "look for a missing effect, a wrong radius or unit, or another object in the recording; add a known effect to the file";
-    note FIT_STEP = "fit.step",
-        "another step of the integration may explain what the tuned simulation leaves",
-        "halve the step of the integration and tune again, before you look for an effect";
     warning RECORDINGS_DISAGREE = "recordings.disagree",
         "lists of events differ by more than their own scatter explains (analysis of variance); the fit is poor",
         "tune each by itself, and look for what differs: the object, the surface, a missed event";

@@ -54,7 +54,6 @@ impl Tuning<'_> {
                 let channels = self.simulator.channels();
                 let place = channels.get(adequacy.worst).filter(|_| channels.len() > 1);
                 let place = place.map_or_else(String::new, |c| format!(" of `{}`", c.name));
-                let place = place.as_str();
                 let text = format!(
                     "{which}the tuned rollout leaves {} times the noise{place}, more than the limit {:.1} for white noise",
                     with_decimals(adequacy.ratio, 1),
@@ -65,24 +64,11 @@ impl Tuning<'_> {
                     text,
                     "search for the missing effect with a diagnosis of the same recordings",
                 ));
-                notes.extend(self.step_note(d, &adequacy, place));
             } else if !adequacy.tested {
                 let text = format!("{} samples are too few to separate noise from misfit", recording.seen.len());
                 notes.push(Note::new(findings::FIT_UNTESTED, text, "bring a longer recording"));
             }
         }
-    }
-
-    /// That another step of the integration may change a channel by as much as recording `d` leaves there.
-    fn step_note(&self, d: usize, adequacy: &Adequacy, place: &str) -> Option<Note> {
-        let recording = &self.recordings[d];
-        let noise = *floor(recording).get(adequacy.worst)?;
-        let error = *recording.step_error.as_ref()?.get(adequacy.worst)?;
-        let text = format!(
-            "another step of the integration may change what is simulated{place} by {} times its noise, which is as much as is left",
-            with_decimals(error / noise, 1)
-        );
-        (error >= adequacy.ratio * noise).then(|| Note::new(findings::FIT_STEP, text, findings::FIT_STEP.remedy()))
     }
 
     /// Reports where intervals were not checked.
