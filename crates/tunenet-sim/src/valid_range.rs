@@ -62,8 +62,7 @@ impl Farthest {
             "`{variable}` reaches {value:.3} at {time_s:.3} s; the formula of `{effect}` was seen to hold from {low} to {high} \
              ({percent:.0} % of the instants are outside)"
         );
-        let remedy = "rely on it within the range only, or record there and diagnose again";
-        Note::new(findings::EFFECT_OUTSIDE, text, remedy)
+        Note::new(findings::EFFECT_OUTSIDE, text, findings::EFFECT_OUTSIDE.remedy())
     }
 }
 
