@@ -47,6 +47,12 @@ impl<'a> Lowering<'a> {
         self.without_fixed(tree).and_then(compiled).map_err(|error| Misfit::within(path, error))
     }
 
+    /// The formula of an event, whose `abs` bend at a switching surface: a step that ends there passes over nothing that they do.
+    pub fn lower_event(&mut self, path: &str, formula: &Formula) -> Result<Compiled, Misfit> {
+        let tree = self.tree(&without_abs(formula.tree()), None, None).map_err(|error| Misfit::within(path, error))?;
+        self.without_fixed(tree).and_then(compiled).map_err(|error| Misfit::within(path, error))
+    }
+
     /// The tree with a name for every part that only parameters, constants and coefficients determine.
     fn without_fixed(&mut self, tree: Tree) -> Result<Tree, FormulaError> {
         let own = self.slots.inputs.end..self.slots.count;
@@ -136,6 +142,18 @@ impl<'a> Lowering<'a> {
         self.count += 1;
         self.count - 1
     }
+}
+
+/// The same with `x*sign(x)` for `abs(x)`.
+fn without_abs(tree: &Tree) -> Tree {
+    let Node::Call { function, arguments } = &tree.node else { return tree.clone() };
+    let arguments: Vec<Tree> = arguments.iter().map(without_abs).collect();
+    let call = |function, arguments| Tree { node: Node::Call { function, arguments }, place: tree.place.clone() };
+    if *function != Function::Abs {
+        return call(*function, arguments);
+    }
+    let side = call(Function::Sign, arguments.clone());
+    call(Function::Multiply, arguments.into_iter().chain([side]).collect())
 }
 
 fn compiled(tree: Tree) -> Result<Compiled, FormulaError> {

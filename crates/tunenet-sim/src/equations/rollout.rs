@@ -4,7 +4,7 @@
 use tunenet_core::observation::Input;
 use tunenet_core::simulator::{RolloutResult, Run};
 
-use super::crossing::{Found, Watch, first, watched};
+use super::crossing::{ARMED, Found, Watch, first, watched};
 use super::motion::Motion;
 use super::runge_kutta::Stepper;
 use super::signal::Signal;
@@ -14,6 +14,10 @@ use super::system::System;
 const MOST_EVALUATIONS: usize = 200_000;
 const EVALUATIONS_PER_INSTANT: usize = 20;
 const EVALUATIONS_PER_BREAK: usize = 40;
+/// How often a step is shortened for what is watched within it, and how much longer the one after it may be: what is watched may change
+/// fast where the states do not.
+const MOST_SHORTENED: u32 = 8;
+const GROWTH: f64 = 2.0;
 /// A state beyond this explodes.
 const GREATEST: f64 = 1e30;
 
@@ -127,6 +131,7 @@ impl<'a> Rollout<'a> {
         let mut h = wish;
         let ends = self.signals.iter().map(Signal::ends).fold(f64::INFINITY, f64::min);
         let ends = self.windows.front().map_or(ends, |end| end.min(ends));
+        let mut shortened = 0;
         loop {
             let t = self.stepper.t;
             let until = if t + h >= ends { ends } else { t + h };
@@ -145,11 +150,18 @@ impl<'a> Rollout<'a> {
             if !self.watches.is_empty() || answer.next_s() < until {
                 self.stepper.interpolate();
             }
-            match first(motion, &self.stepper, &self.watches, &mut self.heights, &mut self.scratch) {
-                Found::TooLong => h = 0.25 * (until - t),
+            let watches = (self.watches.as_slice(), shortened < MOST_SHORTENED);
+            match first(motion, &self.stepper, watches, &mut self.heights, &mut self.scratch) {
+                Found::TooLong => {
+                    h = 0.25 * (until - t);
+                    shortened += 1;
+                }
                 Found::Nothing => {
                     self.read(until, answer);
                     self.stepper.advance(until);
+                    if !self.watches.is_empty() {
+                        self.stepper.proposed = self.stepper.proposed.min(GROWTH * (until - t));
+                    }
                     self.bounded()?;
                     if until == ends {
                         self.pass(until, wish);
@@ -157,6 +169,11 @@ impl<'a> Rollout<'a> {
                         self.arm();
                     }
                     return Ok(());
+                }
+                Found::Pole(event, share) => {
+                    let path = &motion.system.events[event].path;
+                    let at_s = motion.start_s + t + share * self.stepper.h;
+                    return Err(format!("`{path}` changes its sign at {} s without being zero there", shown(at_s)));
                 }
                 Found::Crossing(watch, share) => {
                     let at = t + share * self.stepper.h;
@@ -194,6 +211,7 @@ impl<'a> Rollout<'a> {
                 self.motion.let_go(k);
                 self.motion.settle(at, &state, None);
             }
+            Watch::Unarmed(_) => {}
             Watch::Event(event) => {
                 self.motion.armed[event] = false;
                 self.motion.happens(event, at, &mut state, self.heights[event]);
@@ -237,16 +255,20 @@ impl<'a> Rollout<'a> {
         if self.motion.armed.iter().all(|armed| *armed) {
             return;
         }
+        let mut is_armed = false;
         self.motion.load(self.stepper.t, &self.stepper.y);
         for (event, of) in events.iter().enumerate() {
             let rests = self.motion.rests_on(event);
             if !self.motion.armed[event]
                 && !rests
-                && of.when.program.value(&self.motion.values) > 1e-9 * self.heights[event]
+                && of.when.program.value(&self.motion.values) > ARMED * self.heights[event]
             {
                 self.motion.armed[event] = true;
-                self.watches.push(Watch::Event(event));
+                is_armed = true;
             }
+        }
+        if is_armed {
+            watched(&self.motion, &mut self.watches);
         }
     }
 
@@ -285,9 +307,13 @@ impl<'a> Rollout<'a> {
 
     /// The present instant on the recording's clock, for a message.
     fn time(&self) -> String {
-        let shown = format!("{:.6}", self.motion.start_s + self.stepper.t);
-        shown.trim_end_matches('0').trim_end_matches('.').to_owned()
+        shown(self.motion.start_s + self.stepper.t)
     }
+}
+
+fn shown(seconds: f64) -> String {
+    let shown = format!("{seconds:.6}");
+    shown.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Instants that are asked for, and what has been written of them.

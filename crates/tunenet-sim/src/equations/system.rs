@@ -19,7 +19,7 @@ use crate::scene::{Candidate, EquationsScene};
 
 /// Most of each: states, events, inputs.
 const MOST: usize = 64;
-/// Most places at which a `sign` jumps.
+/// Most places at which a `sign` jumps, or an `abs` of an event bends.
 const MOST_SURFACES: usize = 64;
 /// Endings of names that are letters of other things as often as units.
 const AMBIGUOUS: [&str; 7] = ["A", "°C", "C", "J", "K", "V", "W"];
@@ -46,6 +46,8 @@ pub(super) struct Adds {
 #[derive(Debug, Clone)]
 pub(super) struct EventOf {
     pub when: Compiled,
+    /// Where that formula stands, for messages.
+    pub path: String,
     pub then: Vec<Then>,
 }
 
@@ -118,7 +120,10 @@ impl System {
             if Channel::from_header(&header)
                 .is_none_or(|channel| channel.unit == "s" && ["t", "time"].contains(&channel.name.as_str()))
             {
-                let expected = "a lower-case channel that ends in its unit and is not the clock, such as `angle_rad`";
+                let of_states = if scene.outputs.is_empty() { ", or [outputs] with such names" } else { "" };
+                let expected = format!(
+                    "a lower-case channel that ends in its unit and is not the clock, such as `angle_rad`{of_states}"
+                );
                 return Err(Misfit::new(&path, expected, format!("`{header}`")));
             }
             let text = scene.outputs.get(&header).unwrap_or(&header);
@@ -131,7 +136,7 @@ impl System {
         for (name, event) in &scene.events {
             let path = format!("events.{name}.when");
             let formula = scope.parse(&path, &event.when, None, None)?;
-            let when = lowering.lower(&path, &formula, None, None)?;
+            let when = lowering.lower_event(&path, &formula)?;
             if event.then.is_empty() {
                 let expected = "`then.STATE = \"formula\"`: what a state is afterwards";
                 return Err(Misfit::new(&format!("events.{name}"), expected, "none"));
@@ -144,7 +149,7 @@ impl System {
                 let program = lowering.lower(&path, &formula, None, None)?.program;
                 then.push(Then { state: i, program, written: formula, path });
             }
-            events.push(EventOf { when, then });
+            events.push(EventOf { when, path, then });
         }
         let mut candidates = Vec::new();
         let mut at = scope.slots.coefficients.start;
@@ -158,7 +163,7 @@ impl System {
         if surfaces.len() > MOST_SURFACES {
             return Err(Misfit::new(
                 "derivatives",
-                format!("at most {MOST_SURFACES} arguments of `sign`"),
+                format!("at most {MOST_SURFACES} arguments of `sign` and, in events, of `abs`"),
                 surfaces.len().to_string(),
             ));
         }

@@ -67,3 +67,54 @@ fn an_event_may_count_and_reset() {
     let wanted = [0.5, 0.0, 0.75, 1.0, 0.25, 7.0];
     assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
 }
+
+#[test]
+fn a_ceiling_near_the_top_of_a_throw_is_met() {
+    // Without drag the motion is a polynomial, and a step lasts as long as the throw.
+    let text = BALL.replace("events.bounce", "events.ceiling").replace("z_m - radius_m", "ceiling - z_m");
+    let system = system(&text, &["restitution", "ceiling"]);
+    let g = 9.81_f64;
+    let speed = (2.0 * g).sqrt();
+    let times = clock(60, 0.01);
+    for ceiling in [0.5, 0.9, 0.99, 0.9999] {
+        let given = Given { parameters: vec![0.6, ceiling], start: vec![0.0, speed], ..Given::default() };
+        let met = (speed - (speed * speed - 2.0 * g * ceiling).sqrt()) / g;
+        let after = -0.6 * (speed - g * met);
+        for (t, row) in times.iter().zip(run(&system, &given, &times).chunks(2)) {
+            let since = t - met;
+            let wanted = if since < 0.0 { speed - g * t } else { after - g * since };
+            assert!((row[1] - wanted).abs() < 1e-7, "ceiling {ceiling} m, {t} s: {} {wanted}", row[1]);
+        }
+    }
+}
+
+#[test]
+fn periodic_impulses_of_a_free_body_are_counted() {
+    let text = "states.v_m_s = {}\nstart.v_m_s.value = 0\nderivatives.v_m_s = \"0\"\n\
+                events.push.when = \"sin(w*t_s)\"\nevents.push.then.v_m_s = \"v_m_s + 1\"\n";
+    let system = system(text, &["w"]);
+    let times: Vec<f64> = (0..400).map(|i| 0.003 + 0.02 * f64::from(i)).collect();
+    for w in [1.0, 2.0, 3.0, 10.0, 50.0, 300.0] {
+        let given = Given { parameters: vec![w], start: vec![0.0], ..Given::default() };
+        for (t, found) in times.iter().zip(run(&system, &given, &times)) {
+            // It falls through zero at odd multiples of half a period.
+            let wanted = (0.5 * w * t / std::f64::consts::PI + 0.5).floor();
+            assert!((found - wanted).abs() < 1e-9, "{w} rad/s, {t} s: {found} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn a_thin_wall_is_met() {
+    let text = "states.x_m = {}\nstates.v_m_s = {}\nstart.x_m.value = 0\nstart.v_m_s.value = 1.3\n\
+                derivatives.x_m = \"v_m_s\"\nderivatives.v_m_s = \"0\"\n\
+                events.enter.when = \"abs(x_m - 1) - half\"\nevents.enter.then.v_m_s = \"0.5*v_m_s\"\n";
+    let system = system(text, &["half"]);
+    for half in [0.1, 0.02, 0.005, 0.001] {
+        let given = Given { parameters: vec![half], start: vec![0.0, 1.3], ..Given::default() };
+        let found = run(&system, &given, &[0.5, 3.0]);
+        let enters_s = (1.0 - half) / 1.3;
+        let wanted = [0.65, 1.3, 1.0 - half + 0.65 * (3.0 - enters_s), 0.65];
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{half} m: {found:?} {wanted:?}");
+    }
+}

@@ -109,3 +109,19 @@ fn an_absent_candidate_changes_no_bit_and_a_present_one_acts() {
         assert!((row[0] - wanted[0]).abs() < 2e-5, "{row:?} {wanted:?}");
     }
 }
+
+#[test]
+fn a_square_wave_of_the_time_gives_a_triangle() {
+    let text = "states.v_m_s = {}\nstart.v_m_s.value = 0\nderivatives.v_m_s = \"a*sign(sin(w*t_s))\"\n";
+    let system = system(text, &["a", "w"]);
+    let times = clock(400, 0.02);
+    for w in [1.0, 2.5, 3.0, 7.0, 20.0, 300.0] {
+        let given = Given { parameters: vec![0.7, w], start: vec![0.0], ..Given::default() };
+        let half = std::f64::consts::PI / w;
+        for (t, found) in times.iter().zip(run(&system, &given, &times)) {
+            let since = t % (2.0 * half);
+            let wanted = 0.7 * since.min(2.0 * half - since);
+            assert!((found - wanted).abs() < 1e-7, "{w} rad/s, {t} s: {found} {wanted}");
+        }
+    }
+}

@@ -47,6 +47,16 @@ fn what_an_event_cannot_give_is_refused_with_its_formula() {
     }
 }
 
+/// 1/(x − 0.5) changes its sign where the ball passes 0.5 m, and is never zero.
+#[test]
+fn an_event_with_a_pole_is_refused() {
+    let text = "states.x_m = {}\nstates.v_m_s = {}\nstart.x_m.value = 1\nstart.v_m_s.value = 0\nderivatives.x_m = \"v_m_s\"\n\
+                derivatives.v_m_s = \"-9.81*k\"\nevents.bounce.when = \"1/(x_m - 0.5)\"\nevents.bounce.then.v_m_s = \"-v_m_s\"\n";
+    let given = Given { parameters: vec![1.0], start: vec![1.0, 0.0], ..Given::default() };
+    let refused = tried(&system(text, &["k"]), &given, &[0.1, 2.0]).unwrap_err();
+    assert!(refused.contains("`events.bounce.when` changes its sign at 0.319"), "{refused}");
+}
+
 const FILE: &str = "states.x_m = {}
 states.v_m_s = {}
 start.x_m.value = 0
