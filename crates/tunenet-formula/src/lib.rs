@@ -146,6 +146,8 @@ impl Formula {
     /// Where it is another.
     pub fn require_unit(&self, expected: &Unit) -> Result<(), FormulaError> {
         match self.unit() {
+            // A number alone may be one of anything.
+            _ if matches!(self.tree.node, Node::Number(_)) => Ok(()),
             Some(unit) if unit != expected => {
                 Err(FormulaError::new(0..self.text.len(), format!("a formula in {expected}"), check::one_in(unit)))
             }
