@@ -17,6 +17,8 @@ const MOST_STARTS: usize = 3;
 const SAME: f64 = 1e-3;
 /// A fit that leaves this many times the noise may sit in a wrong local minimum.
 const SUSPICIOUS: f64 = 3.0;
+/// What misses an effect and leaves this many times the noise may have led the initial states away from what the first samples show.
+const LEFT: f64 = 1.5;
 /// Starts across the bounds of each object's first parameters.
 const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
@@ -60,11 +62,12 @@ impl Tries {
         self.best.as_ref().is_some_and(|best| spread(&best.residuals) >= SUSPICIOUS)
     }
 
-    /// From the first few of `ranked`, until one leaves no suspicion.
-    fn fit(&mut self, joint: &Joint, structure: &Structure, ranked: Vec<Point>) {
+    /// From the first few of `ranked` over these growing shares of the recordings, until one leaves no suspicion.
+    fn fit(&mut self, joint: &Joint, structure: &Structure, ranked: Vec<Point>, shares: &[f64]) {
         for start in ranked.into_iter().take(MOST_STARTS) {
             let early = |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }).map(|f| f.point);
-            let first = early(start, HORIZONS[0]);
+            let Some((beginning, longer)) = shares.split_first() else { return };
+            let first = early(start, *beginning);
             if let Ok(point) = &first {
                 let spans = || structure.shared.iter().map(|shared| shared.parameter.span());
                 let same = |other: &Vec<f64>| {
@@ -75,7 +78,7 @@ impl Tries {
                 }
                 self.seen.push(point.parameters.clone());
             }
-            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL));
+            let fit = longer.iter().fold(first, |point, share| early(point?, *share)).and_then(|p| joint.fit(p, FULL));
             match fit {
                 Ok(fit) => {
                     if self.best.as_ref().is_none_or(|b| fit.cost < b.cost) {
@@ -96,12 +99,19 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
     let structure = context.structure(&[])?;
     let joint = context.joint(&structure);
     let mut tries = Tries::default();
-    tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure)));
+    tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure), 1.0), &HORIZONS);
+    // Where the first samples show the initial states, the beginning of a record shows the parameters before later motion has made many
+    // local minima.
+    if tries.suspicious() && is_begun(context) {
+        let early = ranked(&joint, starts(context, &structure), GROWING_SHARES[0]);
+        tries.seen.clear();
+        tries.fit(&joint, &structure, early, &GROWING_SHARES);
+    }
     if tries.suspicious()
         && structure.shared.len() > 1
         && structure.shared.iter().all(|shared| local_estimate(context, shared).is_none())
     {
-        tries.fit(&joint, &structure, ranked(&joint, halton_starts(context, &structure)));
+        tries.fit(&joint, &structure, ranked(&joint, halton_starts(context, &structure), 1.0), &HORIZONS);
     }
     let fit = tries.best.ok_or_else(|| {
         // Where none simulates, what is said of the file's own values is reported.
@@ -118,8 +128,12 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
 /// Whether recordings show initial states by their first samples, and `model`, which follows the motion as a whole, may have others that
 /// are far off.
 pub(in crate::diagnose) fn first_samples_show_more(context: &Context<'_>, model: &Hypothesis) -> bool {
-    let is_shown = |begin: &Vec<Option<f64>>| begin.iter().any(Option::is_some);
-    context.recordings().iter().any(|r| is_shown(&r.prepared.begin)) && spread(&model.fit.residuals) >= SUSPICIOUS
+    is_begun(context) && spread(&model.fit.residuals) >= LEFT
+}
+
+/// Whether first samples show initial states of a recording.
+fn is_begun(context: &Context<'_>) -> bool {
+    context.recordings().iter().any(|r| r.prepared.begin.iter().any(Option::is_some))
 }
 
 /// The hypothesis of an effect in addition to `model`, fitted over growing shares of the recordings, with `coefficients` to begin with;
@@ -152,10 +166,10 @@ fn halton_starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
     (1..=SCATTERED).map(|number| Point { parameters: parameters(number), nuisances: nuisances.clone() }).collect()
 }
 
-/// The starts that simulate, best first; every object has its own order where objects have no parameter in common.
-fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
+/// The starts that simulate, best over a share of the recordings first; every object has its own order where objects have no parameter in common.
+fn ranked(joint: &Joint, starts: Vec<Point>, share: f64) -> Vec<Point> {
     let rolled: Vec<(Vec<Vec<f64>>, Point)> =
-        starts.into_iter().filter_map(|point| Some((joint.residuals(&point, 1.0).ok()?, point))).collect();
+        starts.into_iter().filter_map(|point| Some((joint.residuals(&point, share).ok()?, point))).collect();
     let mut ranked: Vec<Point> = rolled.iter().map(|(_, point)| point.clone()).collect();
     for part in joint.parts() {
         let size = |residuals: &[Vec<f64>]| {
