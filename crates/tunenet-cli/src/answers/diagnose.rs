@@ -229,7 +229,10 @@ impl Answer<'_> {
             let name = if several { format!("{}: ", one.name) } else { String::new() };
             Note { text: format!("{name}{}", note.text), ..note.clone() }
         });
-        self.loaded.notes.iter().cloned().chain(named).chain(self.diagnosis.notes.iter().cloned()).collect()
+        // The intervals of a law are its own: they do not follow from what is left without it.
+        let is_moot = |note: &&Note| note.kind == findings::INTERVALS_WIDENED && self.found().is_some();
+        let of_all = self.diagnosis.notes.iter().filter(|note| !is_moot(note));
+        self.loaded.notes.iter().cloned().chain(named).chain(of_all.cloned()).collect()
     }
 
     /// Why recordings do not suffice: what is said of all, then of each that cannot be used.

@@ -126,6 +126,12 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
         Reason::LeavesMore => "held-out recordings leave more than fitted ones, and more than by chance (p below 0.01)",
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
+        Reason::ParameterBound => {
+            "a parameter of the simulation lies at a bound, and the recordings favour values beyond it (p below 0.01)"
+        }
+        Reason::NotLinear => {
+            "rollouts are not linear enough in its constants to compare it with others by held-out recordings"
+        }
         Reason::Grammar => "no product of two shapes of the table explains the recordings better than none does",
         Reason::Catalogue => "an effect of the catalogue explains the recordings as well",
     }

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use super::answer::Member;
-use super::forms::{is_same, nests};
+use super::forms::{is_same, nests, rounds_off};
 use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::Response;
@@ -155,7 +155,8 @@ pub(super) fn undecided(
     let space = session.host.space();
     let unconfirmed = |((large, ahead), _): &((Law, Member), &Support)| {
         let by = |((small, of), _): &((Law, Member), &Support)| {
-            nests(space, &large.terms, &small.terms) && predicts_no_better(ahead, of)
+            let holds = nests(space, &large.terms, &small.terms) && !rounds_off(large, small, &response.ranges);
+            holds && predicts_no_better(ahead, of)
         };
         known && left.iter().any(by)
     };

@@ -14,6 +14,8 @@ pub const MOST_FORCE_NATS: f64 = 3.0;
 /// chance, and does not stand alone below the second one.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
 const CHANCE: f64 = 0.01;
+/// The same of a parameter beyond its bound, in standard deviations (one side).
+const BEYOND: f64 = 2.326;
 /// Held-out recordings that leave no more than so many times the noise, what the uncertainty of the law's constants explains aside, pass in
 /// any case.
 pub const MOST_HELD_OUT: f64 = 1.05;
@@ -63,6 +65,10 @@ pub enum Reason {
     Flexible,
     /// A constant of it lies at the end of the range that is searched.
     Bound,
+    /// A parameter of the simulation lies at a bound, and the recordings favour values beyond it.
+    ParameterBound,
+    /// Rollouts are not linear enough in its constants to compare it with other laws by held-out recordings.
+    NotLinear,
     /// So few recordings do not show whether something unmeasured differs between them.
     Few,
     /// Recordings ask for constants that differ more than in one case of a hundred by chance.
@@ -100,6 +106,9 @@ pub struct Gates {
     /// Logarithm of the predictive density of held-out recordings, in nats, but for what is the same for all laws. `None` where rollouts
     /// are not linear enough in the constants to know it.
     pub held_out_nats: Option<f64>,
+    /// How far the recordings favour values beyond the bound at which a parameter of the simulation lies, in standard deviations: the greatest
+    /// of all parameters. 0 where none does.
+    pub beyond_bound: f64,
 }
 
 impl Gates {
@@ -127,7 +136,8 @@ impl Gates {
     pub fn doubt(&self) -> Option<Reason> {
         let differ = [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE);
         let more = self.leaves_more(CHANCE).then_some(Reason::LeavesMore);
-        if differ { Some(Reason::Differ) } else { more }
+        let bound = (self.beyond_bound > BEYOND).then_some(Reason::ParameterBound);
+        if differ { Some(Reason::Differ) } else { more.or(bound) }
     }
 
     /// Whether held-out recordings leave more than the fitted ones, and so much more that it has a smaller probability by chance.
@@ -320,6 +330,7 @@ mod tests {
             held_out_force_nats: Some(ahead),
             held_out_differ_p: Some(0.5),
             held_out_nats: None,
+            beyond_bound: 0.0,
         }
     }
 

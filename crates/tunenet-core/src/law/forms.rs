@@ -2,16 +2,19 @@
 //! A further factor of another variable is the best of all that were tried: it has to gain more than the best of so many gains by chance
 //! (Bonferroni's correction of the likelihood ratio test of Wilks 1938).
 
+use super::price::WIDER;
 use super::refit::{Law, Session};
-use super::shape::Shape;
+use super::shape::{Range, Shape};
 use super::space::Space;
 use super::term::{Factor, Term};
-use crate::statistics::chi_squared_quantile;
+use crate::statistics::{NORMAL_95, chi_squared_quantile};
 
 /// Twice the logarithmic likelihood that one more constant has to gain to predict better (Akaike 1974).
 const WORTH: f64 = 2.0;
 /// How often the best of all further factors may gain so much by chance.
 const BY_CHANCE: f64 = 0.05;
+/// tanh(x/c) and sign(x) differ by 20 % (root mean square) over values from 0 to x where c is this share of x: √(c (2 ln 2 − 1)/x) = 0.2.
+const ROUND: f64 = 0.1;
 
 /// Best first.
 pub(super) fn ranked(mut laws: Vec<Law>) -> Vec<Law> {
@@ -136,13 +139,30 @@ fn holds_open(space: &Space, large: &[Term], small: &[Term]) -> bool {
     nests(space, large, small) || product()
 }
 
+/// Whether `large` rounds a jump of `small` off, tanh(x/c) for sign(x), and its c may be so large that the forces differ where the recordings
+/// went: then neither is the other one in simpler words, however little the recordings say which it is.
+pub(super) fn rounds_off(large: &Law, small: &Law, ranges: &[Range]) -> bool {
+    let ([round], [sharp]) = (large.terms.as_slice(), small.terms.as_slice()) else { return false };
+    let (numbers, deviations) = (large.numbers(), large.deviations());
+    let mut at = round.components;
+    round.factors.iter().any(|factor| {
+        let first = at;
+        at += factor.constants();
+        let jumps = |other: &Factor| other.variable == factor.variable && other.shape == Shape::Sign;
+        let width = || numbers[0][first].abs() + NORMAL_95 * WIDER * deviations[first];
+        let is_round = || width() > ROUND * ranges[factor.variable].greatest;
+        factor.shape == Shape::Tanh && sharp.factors.iter().any(jumps) && is_round()
+    })
+}
+
 /// Laws, those apart that another one makes needless.
-pub(super) fn by_need(session: &Session, laws: Vec<Law>) -> (Vec<Law>, Vec<Law>) {
+pub(super) fn by_need(session: &Session, ranges: &[Range], laws: Vec<Law>) -> (Vec<Law>, Vec<Law>) {
     let space = session.host.space();
     let by = |law: &Law, small: &Law| {
         let more = session.gain(law) - session.gain(small);
-        is_needless(space, &law.terms, &small.terms, more)
-            || is_by_chance(space, &law.terms, &small.terms, more, session.factors)
+        let needless = is_needless(space, &law.terms, &small.terms, more)
+            || is_by_chance(space, &law.terms, &small.terms, more, session.factors);
+        needless && !rounds_off(law, small, ranges)
     };
     let needed: Vec<bool> = laws.iter().map(|law| !laws.iter().any(|small| by(law, small))).collect();
     let (needed, needless): (Vec<_>, Vec<_>) = laws.into_iter().zip(needed).partition(|(_, needed)| *needed);

@@ -196,7 +196,7 @@ fn conclude(
     // An effect of the catalogue was known before the data were seen: what it explains better is no law.
     let best = answer.rival_bic_gain.map_or(best, |gain| best.max(gain));
     let near = |laws| alone::near(session, response, laws, best, settings.margin);
-    let (needed, needless) = by_need(session, found);
+    let (needed, needless) = by_need(session, &response.ranges, found);
     let mut needed = near(needed);
     // A product that falls as one of these does is near it, whatever it costs.
     needed.extend(between(session, response, &needed));
@@ -265,6 +265,7 @@ fn conclude(
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
         [one] if one.gates.doubt().is_some() => (Verdict::OneOf, one.gates.doubt()),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
+        [one] if one.gates.held_out_nats.is_none() => (Verdict::OneOf, Some(Reason::NotLinear)),
         [_] if session.recordings.len() + answer.held_out < LEAST_RECORDINGS => (Verdict::OneOf, Some(Reason::Few)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),

@@ -21,6 +21,9 @@ const LAST_STEPS: usize = 24;
 /// Steps of one from near its end.
 const FEW_STEPS: usize = 6;
 
+/// A parameter lies at a bound within this share of the bounds.
+const AT_BOUND: f64 = 1e-9;
+
 /// How far apart, in units of the noise (root mean square), the residuals of one force in two notations may end.
 const SAME: f64 = 0.02;
 
@@ -273,6 +276,19 @@ impl<'a> Session<'a> {
     /// The noise that a law leaves, in units of what differences of the series show, which is less certain.
     pub fn scale(&self, law: &Law) -> f64 {
         (robust_squares(&law.fit.residuals) / self.freedom(law)).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// At which bound each free parameter lies, -1 at the lower one and 1 at the upper one, and 0 within them; a law's own numbers count as
+    /// within.
+    pub fn outward(&self, law: &Law) -> Result<Vec<f64>> {
+        let simulator = self.host.carrying(&[])?;
+        let side = |&i: &usize| {
+            let (p, value) = (&simulator.parameters()[i], law.fit.point.parameters[i]);
+            let room = AT_BOUND * p.span();
+            f64::from(u8::from(value >= p.max - room)) - f64::from(u8::from(value <= p.min + room))
+        };
+        let own = std::iter::repeat_n(0.0, price::constants(&law.terms));
+        Ok(self.free.iter().map(side).chain(own).collect())
     }
 
     /// Twice the gain in logarithmic likelihood over the base model.

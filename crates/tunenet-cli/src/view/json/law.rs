@@ -59,6 +59,7 @@ fn member(member: &Member) -> Json {
         "held_out_force_nats": gates.held_out_force_nats,
         "held_out_differ_p": gates.held_out_differ_p,
         "held_out_nats": gates.held_out_nats,
+        "beyond_bound": gates.beyond_bound,
         "valid": valid,
         "courses": member.courses.iter().map(course).collect::<Vec<_>>(),
         "depends_on_time": member.depends_on_time,

@@ -45,8 +45,9 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         shown.line(&format!("  {}: {}", name(member), numbers(member)));
         let gates = &member.gates;
         let p = gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings agree (p {p:.2})"));
-        let ahead =
-            gates.held_out_left.map_or_else(String::new, |left| format!(", held-out error {left:.3} times the noise"));
+        let ahead = gates.held_out_ratio.zip(gates.held_out_left).map_or_else(String::new, |(ratio, left)| {
+            format!(", held-out error {ratio:.3} times the noise ({left:.3} less what uncertain constants explain)")
+        });
         shown.line(&format!(
             "    gain {:.0}, residual force {:.1} nats (at most {MOST_FORCE_NATS}){p}{ahead}",
             member.bic_gain, gates.residual_force_nats
