@@ -3,5 +3,6 @@
 mod delay;
 mod emps;
 mod law;
+mod orbits;
 mod swing;
 mod wrong;

@@ -51,6 +51,9 @@ pub(in crate::diagnose) fn radical_inverse(mut number: u32, prime: u32) -> f64 {
 /// Fits from several starts.
 #[derive(Default)]
 struct Tries {
+    /// Whether a part of the recordings that is far off makes a fit suspicious as well: of what goes its own way from its first samples on,
+    /// one may be lost while the others fit.
+    by_parts: bool,
     best: Option<Outcome>,
     refused: Option<crate::Error>,
     /// Where they led early on, to go nowhere twice.
@@ -59,7 +62,9 @@ struct Tries {
 
 impl Tries {
     fn suspicious(&self) -> bool {
-        self.best.as_ref().is_some_and(|best| spread(&best.residuals) >= SUSPICIOUS)
+        let leaves =
+            |best: &Outcome| spread(&best.residuals) >= SUSPICIOUS || self.by_parts && squares(best) >= SUSPICIOUS;
+        self.best.as_ref().is_some_and(leaves)
     }
 
     /// From the first few of `ranked` over these growing shares of the recordings, until one leaves no suspicion.
@@ -98,7 +103,7 @@ impl Tries {
 pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Result<Hypothesis<'a>> {
     let structure = context.structure(&[])?;
     let joint = context.joint(&structure);
-    let mut tries = Tries::default();
+    let mut tries = Tries { by_parts: is_begun(context), ..Tries::default() };
     tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure), 1.0), &HORIZONS);
     // Where the first samples show the initial states, the beginning of a record shows the parameters before later motion has made many
     // local minima.
@@ -128,7 +133,13 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
 /// Whether recordings show initial states by their first samples, and `model`, which follows the motion as a whole, may have others that
 /// are far off.
 pub(in crate::diagnose) fn first_samples_show_more(context: &Context<'_>, model: &Hypothesis) -> bool {
-    is_begun(context) && spread(&model.fit.residuals) >= LEFT
+    is_begun(context) && (spread(&model.fit.residuals) >= LEFT || squares(&model.fit) >= LEFT)
+}
+
+/// What a fit leaves in units of the noise: the root of the mean of the squares, large ones as the robust cost counts them.
+fn squares(fit: &Outcome) -> f64 {
+    let count = fit.residuals.iter().map(Vec::len).sum::<usize>().max(1);
+    (2.0 * (fit.cost - fit.prior_part).max(0.0) / count as f64).sqrt()
 }
 
 /// Whether first samples show initial states of a recording.
