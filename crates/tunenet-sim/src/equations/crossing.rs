@@ -105,16 +105,20 @@ pub(super) fn first(
     scratch: &mut (Vec<f64>, Vec<f64>),
 ) -> Found {
     let (state, field) = (&mut scratch.0, &mut scratch.1);
-    let mut found: Option<(Watch, f64)> = None;
+    let mut found: Option<(Found, f64)> = None;
     for watch in watches {
         let mut checks = [at(motion, stepper, *watch, 0.0, state, field), 0.0, 0.0, 0.0, 0.0];
         for (check, share) in checks[1..].iter_mut().zip(CHECKED) {
             *check = at(motion, stepper, *watch, share, state, field);
         }
         let greatest = checks.iter().fold(0.0_f64, |most, check| most.max(check.abs()));
+        // The motion does not go on as the step has it behind a crossing.
+        let until = checks.iter().position(|check| *check < 0.0).unwrap_or(CHECKED.len());
+        let reached = checks[..=until].iter().fold(0.0_f64, |most, check| most.max(check.abs()));
         match watch {
-            Watch::Surface(s) => motion.greatest[*s] = motion.greatest[*s].max(greatest),
-            Watch::Event(event) | Watch::Unarmed(event) => heights[*event] = heights[*event].max(greatest),
+            Watch::Surface(s) => motion.greatest[*s] = motion.greatest[*s].max(reached),
+            Watch::Event(event) => heights[*event] = heights[*event].max(reached),
+            Watch::Unarmed(event) => heights[*event] = heights[*event].max(greatest),
             Watch::Hold(_) => {}
         }
         let size = size(motion, heights, *watch);
@@ -140,18 +144,18 @@ pub(super) fn first(
         let Some(high) = dip.or_else(|| below.map(|i| CHECKED[i - 1])) else { continue };
         let low = CHECKED.into_iter().filter(|share| *share < high).fold(0.0, f64::max);
         let share = located(motion, stepper, *watch, (low, high), (state, field));
-        // At the beginning of a step an input or a side may have jumped.
-        if let Watch::Event(event) = watch
-            && share > 0.0
-            && at(motion, stepper, *watch, share, state, field).abs() > NOT_SMALL * size
-        {
-            return Found::Pole(*event, share);
+        if found.as_ref().is_some_and(|(_, earlier)| *earlier <= share) {
+            continue;
         }
-        if found.is_none_or(|(_, earlier)| share < earlier) {
-            found = Some((*watch, share));
-        }
+        let here = at(motion, stepper, *watch, share, state, field).abs();
+        let crossing = match watch {
+            // At the beginning of a step an input or a side may have jumped.
+            Watch::Event(event) if share > 0.0 && here > NOT_SMALL * size => Found::Pole(*event, share),
+            _ => Found::Crossing(*watch, share),
+        };
+        found = Some((crossing, share));
     }
-    found.map_or(Found::Nothing, |(watch, share)| Found::Crossing(watch, share))
+    found.map_or(Found::Nothing, |(crossing, _)| crossing)
 }
 
 /// Whether what is above zero within a step is not afterwards, beyond what counts as zero.

@@ -55,6 +55,10 @@ fn an_event_with_a_pole_is_refused() {
     let given = Given { parameters: vec![1.0], start: vec![1.0, 0.0], ..Given::default() };
     let refused = tried(&system(text, &["k"]), &given, &[0.1, 2.0]).unwrap_err();
     assert!(refused.contains("`events.bounce.when` changes its sign at 0.319"), "{refused}");
+    // A floor at 0.6 m keeps the ball above it, in a step that would reach both.
+    let floor = "events.floor.when = \"x_m - 0.6\"\nevents.floor.then.v_m_s = \"-v_m_s\"\n";
+    let found = tried(&system(&format!("{text}{floor}"), &["k"]), &given, &[0.1, 2.0]).unwrap();
+    assert!((0.6..=1.0).contains(&found[2]), "{found:?}");
 }
 
 const FILE: &str = "states.x_m = {}
