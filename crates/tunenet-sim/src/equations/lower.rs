@@ -43,14 +43,22 @@ impl<'a> Lowering<'a> {
         own: Option<(usize, usize)>,
         owner: Option<usize>,
     ) -> Result<Compiled, Misfit> {
-        let tree = self.tree(formula.tree(), own, owner).map_err(|error| Misfit::within(path, error))?;
-        self.without_fixed(tree).and_then(compiled).map_err(|error| Misfit::within(path, error))
+        self.lowered(formula.tree(), own, owner).map_err(|error| Misfit::within(path, error))
     }
 
     /// The formula of an event, whose `abs` bend at a switching surface: a step that ends there passes over nothing that they do.
     pub fn lower_event(&mut self, path: &str, formula: &Formula) -> Result<Compiled, Misfit> {
-        let tree = self.tree(&without_abs(formula.tree()), None, None).map_err(|error| Misfit::within(path, error))?;
-        self.without_fixed(tree).and_then(compiled).map_err(|error| Misfit::within(path, error))
+        self.lowered(&without_abs(formula.tree()), None, None).map_err(|error| Misfit::within(path, error))
+    }
+
+    fn lowered(
+        &mut self,
+        tree: &Tree,
+        own: Option<(usize, usize)>,
+        owner: Option<usize>,
+    ) -> Result<Compiled, FormulaError> {
+        let tree = self.tree(tree, own, owner)?;
+        self.without_fixed(tree).and_then(compiled)
     }
 
     /// The tree with a name for every part that only parameters, constants and coefficients determine.
