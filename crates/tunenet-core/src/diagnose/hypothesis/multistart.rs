@@ -63,7 +63,7 @@ struct Tries {
 impl Tries {
     fn suspicious(&self) -> bool {
         let leaves =
-            |best: &Outcome| spread(&best.residuals) >= SUSPICIOUS || self.by_parts && squares(best) >= SUSPICIOUS;
+            |best: &Outcome| spread(&best.residuals) >= SUSPICIOUS || self.by_parts && robust_rms(best) >= SUSPICIOUS;
         self.best.as_ref().is_some_and(leaves)
     }
 
@@ -107,7 +107,7 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
     tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure), 1.0), &HORIZONS);
     // Where the first samples show the initial states, the beginning of a record shows the parameters before later motion has made many
     // local minima.
-    if tries.suspicious() && is_begun(context) {
+    if tries.by_parts && tries.suspicious() {
         let early = ranked(&joint, starts(context, &structure), GROWING_SHARES[0]);
         tries.seen.clear();
         tries.fit(&joint, &structure, early, &GROWING_SHARES);
@@ -133,11 +133,11 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
 /// Whether recordings show initial states by their first samples, and `model`, which follows the motion as a whole, may have others that
 /// are far off.
 pub(in crate::diagnose) fn first_samples_show_more(context: &Context<'_>, model: &Hypothesis) -> bool {
-    is_begun(context) && (spread(&model.fit.residuals) >= LEFT || squares(&model.fit) >= LEFT)
+    is_begun(context) && (spread(&model.fit.residuals) >= LEFT || robust_rms(&model.fit) >= LEFT)
 }
 
 /// What a fit leaves in units of the noise: the root of the mean of the squares, large ones as the robust cost counts them.
-fn squares(fit: &Outcome) -> f64 {
+fn robust_rms(fit: &Outcome) -> f64 {
     let count = fit.residuals.iter().map(Vec::len).sum::<usize>().max(1);
     (2.0 * (fit.cost - fit.prior_part).max(0.0) / count as f64).sqrt()
 }
@@ -177,7 +177,8 @@ fn halton_starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
     (1..=SCATTERED).map(|number| Point { parameters: parameters(number), nuisances: nuisances.clone() }).collect()
 }
 
-/// The starts that simulate, best over a share of the recordings first; every object has its own order where objects have no parameter in common.
+/// The starts that simulate, best over a share of the recordings first; every object has its own order where objects have no parameter in
+/// common.
 fn ranked(joint: &Joint, starts: Vec<Point>, share: f64) -> Vec<Point> {
     let rolled: Vec<(Vec<Vec<f64>>, Point)> =
         starts.into_iter().filter_map(|point| Some((joint.residuals(&point, share).ok()?, point))).collect();
