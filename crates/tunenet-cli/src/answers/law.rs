@@ -125,6 +125,9 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Few => "fewer than four recordings do not show whether something unmeasured differs between them",
         Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
         Reason::LeavesMore => "held-out recordings leave more than fitted ones, and more than by chance (p below 0.01)",
+        Reason::Together => {
+            "its tests of recordings that differ and of held-out ones come out worse together than by chance (p below 0.01)"
+        }
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::ParameterBound => {
             "a parameter of the simulation lies at a bound, and the recordings favour values beyond it (p below 0.01)"

@@ -21,6 +21,9 @@ const NUMBER: f64 = 2.0;
 /// Models within so much of the best have substantial support.
 const SUBSTANTIAL: f64 = 2.0;
 
+/// A simpler law than the best one is tested within so many margins of it.
+const HEARD: f64 = 2.0;
+
 /// How many numbers the data chose: constants, and exponents that were rounded.
 fn chosen(law: &Law) -> usize {
     let rounded = law.terms.iter().flat_map(|term| &term.factors).filter(|factor| factor.rounded.is_some()).count();
@@ -132,10 +135,20 @@ fn is_product_of_four_constants(term: &Term) -> bool {
     term.factors.len() > 1 && term.factors.iter().all(|factor| factor.constants() > 1)
 }
 
-/// The laws between which fitted recordings do not decide.
+/// The laws between which fitted recordings do not decide, and simpler ones that held-out recordings may favour by as much as the fitted
+/// ones speak against them.
 pub(super) fn near(session: &Session, response: &Response, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
     let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law, 0.0)).collect();
-    kept(laws, nearest(&support, Some(best), margin))
+    let near = nearest(&support, Some(best), margin);
+    let heard = near.into_iter().zip(simpler(&support, best, HEARD * margin)).map(|(near, simpler)| near || simpler);
+    let heard = heard.collect();
+    kept(laws, heard)
+}
+
+/// Which of these laws have fewer constants than the best of them and lie within `margin` of `best` by the criterion of Schwarz.
+fn simpler(all: &[Support], best: f64, margin: f64) -> Vec<bool> {
+    let Some(lead) = all.iter().max_by(|a, b| a.schwarz.total_cmp(&b.schwarz)) else { return Vec::new() };
+    all.iter().map(|one| one.constants < lead.constants && one.schwarz >= best - margin).collect()
 }
 
 /// The members between which fitted and held-out recordings together do not decide, best first: the evidence of all recordings is that of
@@ -252,6 +265,17 @@ mod tests {
         assert_eq!(nearest(&[lead, half(5.0), half(7.0)], None, 6.0), [true, true, false]);
         let more = Support { constants: 2, ..half(5.0) };
         assert_eq!(nearest(&[lead, more], None, 6.0), [true, false]);
+    }
+
+    /// A law with one constant less is tested 11 behind the best, one with as many is not.
+    #[test]
+    fn a_simpler_law_is_tested_within_twice_the_margin() {
+        let lead = support(100.0, 104.0, 2, 3);
+        let of = |schwarz, constants| Support { constants, ..support(schwarz, 90.0, 2, 3) };
+        let all = [lead, of(89.0, 2), of(89.0, 3), of(87.0, 2)];
+        assert_eq!(simpler(&all, 100.0, HEARD * 6.0), [false, true, false, false]);
+        assert_eq!(nearest(&all, Some(100.0), 6.0), [true, false, false, false]);
+        assert!(simpler(&[], 100.0, 12.0).is_empty());
     }
 
     /// A bump about 2 ± 0.5 where 1 to 4 was visited, and where only 1 to 2.2 was.

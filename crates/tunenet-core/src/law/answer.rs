@@ -7,6 +7,7 @@ use super::shape::Role;
 use super::space::Carried;
 use super::term::Term;
 use crate::observation::Observation;
+use crate::statistics::upper_chi_squared;
 
 /// Residual force, in nats: odds of twenty to one.
 pub const MOST_FORCE_NATS: f64 = 3.0;
@@ -75,6 +76,8 @@ pub enum Reason {
     Differ,
     /// Held-out recordings leave more than fitted ones, so much more that it comes in less than one case of a hundred by chance.
     LeavesMore,
+    /// Its tests come out so badly together that it comes in less than one case of a hundred by chance, though each alone does not.
+    Together,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.
@@ -137,7 +140,20 @@ impl Gates {
         let differ = [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE);
         let more = self.leaves_more(CHANCE).then_some(Reason::LeavesMore);
         let bound = (self.beyond_bound > BEYOND).then_some(Reason::ParameterBound);
-        if differ { Some(Reason::Differ) } else { more.or(bound) }
+        let together = (self.together_p() < CHANCE).then_some(Reason::Together);
+        if differ { Some(Reason::Differ) } else { more.or(bound).or(together) }
+    }
+
+    /// The probability that the tests of how recordings differ and of what held-out ones leave come out so badly together by chance (Fisher
+    /// 1932). What these leave counts only where it matters.
+    fn together_p(&self) -> f64 {
+        let more = self.held_out_p.filter(|_| self.held_out_left.is_some_and(|left| left > MOST_HELD_OUT));
+        let tests = || [self.heterogeneity_p, self.held_out_differ_p, more].into_iter().flatten();
+        let sum: f64 = tests().map(|p| -2.0 * p.max(f64::MIN_POSITIVE).ln()).sum();
+        match tests().count() {
+            0 => 1.0,
+            count => upper_chi_squared(sum, 2.0 * count as f64),
+        }
     }
 
     /// Whether held-out recordings leave more than the fitted ones, and so much more that it has a smaller probability by chance.
@@ -336,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_law_whose_recordings_differ_stands_but_not_alone() {
-        let differ = |p: f64| Gates { held_out_differ_p: Some(p), ..gates(0.0, 0.0) };
+        let differ = |p: f64| Gates { held_out_differ_p: Some(p), held_out_p: Some(0.5), ..gates(0.0, 0.0) };
         assert_eq!(
             [0.02, 0.002].map(|p| (differ(p).failed(), differ(p).doubt())),
             [(None, None), (None, Some(Reason::Differ))]
@@ -346,6 +362,22 @@ mod tests {
             [0.02, 0.002].map(|p| (leaves(p).failed(), leaves(p).doubt())),
             [(None, None), (None, Some(Reason::LeavesMore))]
         );
+    }
+
+    /// Three tests at 0.03 each: −2 Σ ln p is 21.0, which χ² of six degrees of freedom exceeds with probability 0.0018; at 0.1 each 0.032.
+    #[test]
+    fn tests_that_nearly_fail_together_cast_a_doubt() {
+        let of = |p: f64| Gates {
+            heterogeneity_p: Some(p),
+            held_out_differ_p: Some(p),
+            held_out_p: Some(p),
+            ..gates(0.0, 0.0)
+        };
+        assert!((of(0.03).together_p() / 0.0018 - 1.0).abs() < 0.02, "{}", of(0.03).together_p());
+        assert!((of(0.1).together_p() / 0.032 - 1.0).abs() < 0.02, "{}", of(0.1).together_p());
+        assert_eq!([0.03, 0.1].map(|p| of(p).doubt()), [Some(Reason::Together), None]);
+        let close = Gates { held_out_left: Some(1.04), held_out_p: Some(1e-9), ..of(0.1) };
+        assert_eq!(close.doubt(), None);
     }
 
     /// Odds of 20 to 1 on fitted recordings, of 1,000 to 1 on held-out ones as of their other tests.
