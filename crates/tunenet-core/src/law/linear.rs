@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::price;
 use super::response::{Column, Response};
 use super::shape::{Role, Shape};
-use super::space::{Nature, Space};
+use super::space::Space;
 use super::term::{Factor, Term};
 
 /// Rounds of the pattern search.
@@ -227,7 +227,7 @@ impl<'a> Search<'a> {
 /// All factors that a term may have.
 fn factors(space: &Space, response: &Response) -> Vec<Factor> {
     let of = |(i, v): (usize, &super::space::Variable)| {
-        let shapes = Shape::of(v.nature == Nature::Clock, v.rate, &response.ranges[i]);
+        let shapes = Shape::of(v.nature, &response.ranges[i]);
         shapes.into_iter().map(move |shape| Factor::new(shape, i))
     };
     // What does not vary is no variable.

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::space::Nature;
+
 /// A function of one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Shape {
@@ -112,15 +114,15 @@ const ODD_EXPONENTS: [f64; 5] = [0.5, 1.0, 1.5, 2.0, 3.0];
 
 impl Shape {
     /// Shapes of a variable that the recordings move within `range`.
-    pub(super) fn of(clock: bool, rate: bool, range: &Range) -> Vec<Self> {
-        if clock {
-            vec![Self::Wave]
-        } else if range.least > 0.0 {
-            vec![Self::Power, Self::Exp, Self::Bump, Self::Log, Self::Saturation]
-        } else if rate {
-            vec![Self::OddPower, Self::Bump, Self::Tanh, Self::Stribeck, Self::Sign]
-        } else {
-            vec![Self::OddPower, Self::Bump, Self::Sin, Self::Cos, Self::Tanh]
+    pub(super) fn of(nature: Nature, range: &Range) -> Vec<Self> {
+        match nature {
+            Nature::Clock => vec![Self::Wave],
+            _ if range.least > 0.0 => vec![Self::Power, Self::Exp, Self::Bump, Self::Log, Self::Saturation],
+            Nature::Number => vec![Self::OddPower, Self::Bump, Self::Sin, Self::Cos, Self::Tanh],
+            Nature::Rate => vec![Self::OddPower, Self::Bump, Self::Tanh, Self::Stribeck, Self::Sign],
+            Nature::FirstOrder => {
+                vec![Self::OddPower, Self::Bump, Self::Sin, Self::Cos, Self::Tanh, Self::Stribeck, Self::Sign]
+            }
         }
     }
 
@@ -277,9 +279,21 @@ mod tests {
     }
 
     #[test]
+    fn what_stops_at_0_may_jump_there() {
+        let range = |least| Range { low: -1.0, high: 1.0, least, greatest: 1.0 };
+        let has = |nature, shape| Shape::of(nature, &range(-1.0)).contains(&shape);
+        assert_eq!(
+            [Nature::Number, Nature::Rate, Nature::FirstOrder].map(|n| has(n, Shape::Sign)),
+            [false, true, true]
+        );
+        assert_eq!([Nature::Number, Nature::Rate, Nature::FirstOrder].map(|n| has(n, Shape::Sin)), [true, false, true]);
+        assert!(!Shape::of(Nature::FirstOrder, &range(0.1)).contains(&Shape::Sign));
+    }
+
+    #[test]
     fn grids_lie_within_the_bounds() {
         let range = Range { low: 0.1, high: 2.0, least: 0.1, greatest: 2.1 };
-        for shape in Shape::of(true, false, &range).into_iter().chain(Shape::of(false, false, &range)) {
+        for shape in [Nature::Clock, Nature::Number].into_iter().flat_map(|nature| Shape::of(nature, &range)) {
             for point in shape.grid(&range) {
                 for (i, value) in point.iter().enumerate() {
                     let (low, high) = shape.bounds(i, &range);

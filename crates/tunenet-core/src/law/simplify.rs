@@ -99,7 +99,7 @@ fn instead_of(space: &Space, response: &Response, factor: &Factor, values: &[f64
             found.push(Instead::Other(first_power, Vec::new()));
         }
         // Where motion does not stop at 0, nothing jumps there.
-        Shape::Tanh if space.variables[factor.variable].rate && values[0] < 0.06 * range.greatest => {
+        Shape::Tanh if space.variables[factor.variable].nature.may_jump() && values[0] < 0.06 * range.greatest => {
             let shape = Shape::Sign;
             found.push(Instead::Other(Factor { shape, variable: factor.variable, rounded: None }, Vec::new()));
         }

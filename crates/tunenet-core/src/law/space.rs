@@ -8,8 +8,13 @@ use super::Term;
 /// What a variable is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Nature {
-    /// A number of either sign; where the recordings visit positive values only, it is treated as positive.
+    /// A number of either sign, as all but the clock; where the recordings visit positive values only, it is treated as positive. Where it is
+    /// 0, nothing jumps, as with a position.
     Number,
+    /// A rate of a position: where it is 0, motion may stop, and a term may jump there.
+    Rate,
+    /// A state of first order, of which a term changes the derivative: it may stop at 0 as a rate does, and be an angle.
+    FirstOrder,
     /// The time on the clock of a recording.
     Clock,
 }
@@ -23,8 +28,13 @@ pub struct Variable {
     pub unit: String,
     /// What it is.
     pub nature: Nature,
-    /// Whether motion can stop where it is 0, so that a term may jump there: a rate.
-    pub rate: bool,
+}
+
+impl Nature {
+    /// Whether a term may jump where a variable of this kind is 0.
+    pub(super) const fn may_jump(self) -> bool {
+        matches!(self, Self::Rate | Self::FirstOrder)
+    }
 }
 
 /// A direction: one component, or several that share a factor, each with a coefficient of its own.

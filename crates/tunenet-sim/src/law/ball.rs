@@ -36,7 +36,7 @@ impl BallHost {
         let variable = |i: &usize| {
             let (name, unit) = VARIABLES[*i];
             let nature = if unit == "s" { Nature::Clock } else { Nature::Number };
-            Variable { name: name.into(), unit: unit.into(), nature, rate: false }
+            Variable { name: name.into(), unit: unit.into(), nature }
         };
         let direction =
             |words: &&[&str]| Direction { components: words.iter().map(|word| (*word).to_owned()).collect() };

@@ -44,24 +44,23 @@ impl EquationsHost {
             if body.as_ref().is_some_and(|all| all.iter().any(|(_, rate)| *rate == i)) {
                 continue;
             }
-            let rate = rates.contains(&i);
-            variables.push(Variable {
-                name: (*name).into(),
-                unit: states.units[i].clone(),
-                nature: Nature::Number,
-                rate,
-            });
+            let nature = match (rates.contains(&i), accelerated.contains(&i)) {
+                (true, _) => Nature::Rate,
+                (false, true) => Nature::FirstOrder,
+                (false, false) => Nature::Number,
+            };
+            variables.push(Variable { name: (*name).into(), unit: states.units[i].clone(), nature });
             quantities.push(Quantity::Slot(i));
         }
         if let Some(all) = &body {
             let (places, speeds): (Vec<usize>, Vec<usize>) = all.iter().copied().unzip();
             for (of, unit) in [(places, "m".to_owned()), (speeds.clone(), states.units[speeds[0]].clone())] {
                 let name = written_length(&of, &states.names);
-                variables.push(Variable { name, unit, nature: Nature::Number, rate: false });
+                variables.push(Variable { name, unit, nature: Nature::Number });
                 quantities.push(Quantity::Length(of));
             }
         }
-        variables.push(Variable { name: "t_s".into(), unit: "s".into(), nature: Nature::Clock, rate: false });
+        variables.push(Variable { name: "t_s".into(), unit: "s".into(), nature: Nature::Clock });
         quantities.push(Quantity::Slot(clock));
         if accelerated.is_empty() || quantities.len() > MOST_VARIABLES {
             return Ok(None);

@@ -27,12 +27,11 @@ pub struct Line {
 
 impl Line {
     pub fn new() -> Self {
-        let variable =
-            |name: &str, unit: &str, nature, rate| Variable { name: name.into(), unit: unit.into(), nature, rate };
+        let variable = |name: &str, unit: &str, nature| Variable { name: name.into(), unit: unit.into(), nature };
         let variables = vec![
-            variable("x_m", "m", Nature::Number, false),
-            variable("v_m_s", "m/s", Nature::Number, true),
-            variable("t_s", "s", Nature::Clock, false),
+            variable("x_m", "m", Nature::Number),
+            variable("v_m_s", "m/s", Nature::Rate),
+            variable("t_s", "s", Nature::Clock),
         ];
         let directions = vec![Direction { components: vec!["x".into()] }];
         Self { space: Space { directions, variables, axes: vec![0], taken: Vec::new() } }
