@@ -131,6 +131,16 @@ impl Term {
         each.collect()
     }
 
+    /// Whether the term bends sharply where a variable is 0, with these numbers: a power below 1 of a variable of either sign.
+    #[must_use]
+    pub fn bends(&self, numbers: &[f64]) -> bool {
+        let sharp = |(factor, own): (&Factor, &[f64])| {
+            let exponent = factor.rounded.or_else(|| own.first().copied());
+            factor.shape == Shape::OddPower && exponent.is_some_and(|p| p < 1.0)
+        };
+        self.factors.iter().zip(self.inner(numbers)).any(sharp)
+    }
+
     /// The same with every rounded constant free.
     pub(super) fn opened(&self) -> Self {
         let factors = self.factors.iter().map(|f| Factor::new(f.shape, f.variable)).collect();

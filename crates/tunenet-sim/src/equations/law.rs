@@ -105,6 +105,11 @@ impl LawTerm {
         self.term.constants()
     }
 
+    /// Whether it bends sharply somewhere.
+    pub fn bends(&self, numbers: &[f64]) -> bool {
+        self.term.bends(numbers)
+    }
+
     /// From when to when a window of it lasts, s.
     pub fn window(&self, numbers: &[f64]) -> Option<[f64; 2]> {
         let window = self.term.factors.first().is_some_and(|factor| factor.shape == Shape::Window);

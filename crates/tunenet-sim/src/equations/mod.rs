@@ -12,6 +12,7 @@
 //! | `parts` | what they are made of |
 //! | `lower` | `sign` and `delay` as names of their own |
 //! | `runge_kutta` | adaptive steps of order 5 with dense output |
+//! | `smoothness` | where right-hand sides bend, and what tolerance that needs |
 //! | `signal` | inputs as pieces at whose ends steps end |
 //! | `motion` | derivatives, also where something sticks or rests |
 //! | `switching` | which side of a switching surface, or between both |
@@ -40,6 +41,7 @@ mod rate;
 mod rollout;
 mod runge_kutta;
 mod signal;
+mod smoothness;
 mod switching;
 mod system;
 #[cfg(test)]

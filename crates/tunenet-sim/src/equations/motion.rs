@@ -4,6 +4,7 @@
 
 use tunenet_formula::Program;
 
+use super::law::LawTerm;
 use super::rate::rate;
 use super::signal::Piece;
 use super::system::System;
@@ -116,6 +117,19 @@ impl<'a> Motion<'a> {
             values,
             evaluations: 0,
         }
+    }
+
+    /// Whether the derivatives bend sharply somewhere.
+    pub fn bends(&self) -> bool {
+        let there = |adds: &super::system::Adds| self.values[adds.coefficients.clone()] != adds.absent;
+        let mut numbers = self.law_numbers.as_slice();
+        let by_law = |law: &LawTerm| {
+            let (own, rest) = numbers.split_at(law.numbers());
+            numbers = rest;
+            law.bends(own)
+        };
+        let system = self.system;
+        system.bends || system.candidates.iter().any(|adds| adds.bends && there(adds)) || system.laws.iter().any(by_law)
     }
 
     /// Lets programs read the state at an instant.

@@ -41,6 +41,13 @@ pub(super) struct Slots {
     pub count: usize,
 }
 
+impl Slots {
+    /// The positions of what stays as it is during a rollout.
+    pub fn still(&self) -> Range<usize> {
+        self.parameters.start..self.coefficients.end
+    }
+}
+
 /// Whether a node is a name at one of these positions.
 pub(super) fn is_name_within(node: &Node, positions: &Range<usize>) -> bool {
     matches!(node, Node::Name { index, .. } if positions.contains(index))

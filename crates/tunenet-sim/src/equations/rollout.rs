@@ -8,6 +8,7 @@ use super::crossing::{ARMED, Found, Watch, first, watched};
 use super::motion::Motion;
 use super::runge_kutta::Stepper;
 use super::signal::Signal;
+use super::smoothness::tolerance;
 use super::system::System;
 
 /// Most evaluations of all derivatives in a rollout, and further ones for each instant that is asked for and each break of an input.
@@ -78,7 +79,7 @@ impl<'a> Rollout<'a> {
         motion.window_s = start_s + windows.front().map_or(0.0, |end| 0.5 * end);
         Ok(Self {
             windows,
-            stepper: Stepper::new(&start),
+            stepper: Stepper::new(&start, tolerance(motion.bends())),
             signals,
             inputs: all.iter().map(|(_, input, by_s)| (*input, *by_s)).collect(),
             watches: Vec::new(),

@@ -1,7 +1,7 @@
 //! Explicit Runge–Kutta pair of order 5(4) with dense output (Dormand & Prince, "A family of embedded Runge–Kutta formulae", J. Comp.
 //! Appl. Math. 6, 1980; step control and interpolant of order 4 by Hairer, Nørsett & Wanner, "Solving ODEs I", II.4 and II.6).
 
-/// Tolerance of a step relative to the size of each state.
+/// Usual tolerance of a step relative to the size of each state.
 pub(super) const TOLERANCE: f64 = 1e-8;
 /// The least size of a state for that, in its unit.
 const LEAST_SIZE: f64 = 1e-6;
@@ -56,10 +56,12 @@ pub(super) struct Stepper {
     dense: Vec<[f64; 5]>,
     /// The greatest magnitude of each state so far.
     size: Vec<f64>,
+    /// The tolerance relative to that.
+    tolerance: f64,
 }
 
 impl Stepper {
-    pub fn new(start: &[f64]) -> Self {
+    pub fn new(start: &[f64], tolerance: f64) -> Self {
         let n = start.len();
         Self {
             t: 0.0,
@@ -70,6 +72,7 @@ impl Stepper {
             stages: vec![0.0; STAGES * n],
             dense: vec![[0.0; 5]; n],
             size: start.iter().map(|value| value.abs().max(LEAST_SIZE)).collect(),
+            tolerance,
         }
     }
 
@@ -90,7 +93,7 @@ impl Stepper {
         let n = self.y.len();
         let (first, rest) = self.stages.split_at_mut(n);
         let norm = |values: &mut dyn Iterator<Item = f64>| {
-            let sum: f64 = values.zip(&self.size).map(|(value, size)| (value / (TOLERANCE * size)).powi(2)).sum();
+            let sum: f64 = values.zip(&self.size).map(|(value, size)| (value / (self.tolerance * size)).powi(2)).sum();
             (sum / n.max(1) as f64).sqrt()
         };
         let (position, speed) = (norm(&mut self.y.iter().copied()), norm(&mut first.iter().copied()));
@@ -123,7 +126,7 @@ impl Stepper {
         for i in 0..n {
             let error: f64 = h * (0..STAGES).map(|k| ERROR[k] * self.stages[k * n + i]).sum::<f64>();
             let size = self.size[i].max(self.end[i].abs());
-            sum += (error / (TOLERANCE * size)).powi(2);
+            sum += (error / (self.tolerance * size)).powi(2);
         }
         let error = sum / n as f64;
         if !error.is_finite() {
@@ -212,7 +215,7 @@ mod tests {
             f[0] = y[1];
             f[1] = -4.0 * y[0];
         };
-        let mut stepper = Stepper::new(&[1.0, 0.0]);
+        let mut stepper = Stepper::new(&[1.0, 0.0], TOLERANCE);
         stepper.begin(&mut field);
         stepper.propose(&mut field);
         let mut steps = 0;

@@ -13,7 +13,7 @@ use super::body::CLOCK;
 use super::law::{LawTerm, Quantity, Reach};
 use super::lower::Lowering;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
-use super::valid;
+use super::{smoothness, valid};
 use crate::formula_effect::probe;
 use crate::scene::{Candidate, EquationsScene};
 
@@ -40,6 +40,8 @@ pub(super) struct Adds {
     pub coefficients: Range<usize>,
     pub absent: Vec<f64>,
     pub terms: Vec<Added>,
+    /// Whether one of them bends sharply somewhere.
+    pub bends: bool,
 }
 
 /// An event: when it happens, and what states are then.
@@ -70,6 +72,8 @@ pub struct System {
     pub(super) slots: Slots,
     pub(super) constants: Vec<f64>,
     pub(super) derivatives: Vec<Program>,
+    /// Whether one of them bends sharply somewhere.
+    pub(super) bends: bool,
     /// The derivatives as they were written, for messages.
     pub(super) written: Arc<[Formula]>,
     pub(super) outputs: Vec<Program>,
@@ -109,9 +113,12 @@ impl System {
         let mut lowering = Lowering::new(&scope.slots);
         let states: Vec<String> = scene.states.keys().cloned().collect();
         let (mut derivatives, mut written) = (Vec::with_capacity(states.len()), Vec::with_capacity(states.len()));
+        let mut bends = false;
         for (name, text) in scene.states.keys().map(|name| (name, &scene.derivatives[name])) {
             let formula = scope.parse(&format!("derivatives.{name}"), text, scope.per_second(name), None)?;
-            derivatives.push(lowering.lower(&format!("derivatives.{name}"), &formula, None, None)?.program);
+            let lowered = lowering.lower(&format!("derivatives.{name}"), &formula, None, None)?;
+            bends |= smoothness::bends(&lowered.tree, &scope.slots.still());
+            derivatives.push(lowered.program);
             written.push(formula);
         }
         let (mut outputs, mut outputs_switch) = (Vec::new(), false);
@@ -173,6 +180,7 @@ impl System {
             slots: Slots { count, ..scope.slots },
             constants: scene.constants.values().copied().collect(),
             derivatives,
+            bends,
             written: written.into(),
             outputs,
             candidates,
@@ -266,7 +274,7 @@ fn adds(
     if candidate.adds.is_empty() {
         return Err(Misfit::new(&path, "`adds.STATE = \"formula\"`: what it adds to a derivative", "none"));
     }
-    let (mut terms, mut used) = (Vec::new(), vec![false; own.len()]);
+    let (mut terms, mut used, mut bends) = (Vec::new(), vec![false; own.len()], false);
     for (state, text) in &candidate.adds {
         let path = format!("{path}.adds.{state}");
         let i = scope.state(&path, state)?;
@@ -274,15 +282,16 @@ fn adds(
         for (k, used) in used.iter_mut().enumerate() {
             *used |= formula.uses(scope.names.len() + k);
         }
-        let program = lowering.lower(&path, &formula, Some((scope.names.len(), own.start)), Some(number))?.program;
-        terms.push(Added { state: i, program });
+        let lowered = lowering.lower(&path, &formula, Some((scope.names.len(), own.start)), Some(number))?;
+        bends |= smoothness::bends(&lowered.tree, &scope.slots.still());
+        terms.push(Added { state: i, program: lowered.program });
     }
     if let Some((_, key)) = used.iter().zip(candidate.coefficients.keys()).find(|(used, _)| !**used) {
         let path = format!("{path}.coefficients.{key}");
         return Err(Misfit::new(&path, format!("a formula under `adds` that uses `{key}`"), "none"));
     }
     let absent = candidate.coefficients.values().map(|c| candidate.absent(c)).collect();
-    Ok(Adds { coefficients: own, absent, terms })
+    Ok(Adds { coefficients: own, absent, terms, bends })
 }
 
 /// The names that every formula of a file may use, in the order of the array of values.
