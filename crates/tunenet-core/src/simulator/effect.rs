@@ -178,6 +178,8 @@ pub struct Effect {
     /// What is wrong in the simulation, rather than missing from it, and looks the same: an effect that leaves more than noise is
     /// then not named alone, nor one of recordings in one setup that no simulation explains down to their noise.
     pub feigned_by: Option<Text>,
+    /// Whether it reads everything late by the same: inputs that act late, as through a delay or a lag, then look the same.
+    pub late: bool,
     /// Largest share of the forecast error without it that may remain with it: above, it is not named alone from few recordings,
     /// because causes that are no effect resemble it. 1 where none do.
     pub forecast_share: f64,
@@ -205,6 +207,7 @@ impl Effect {
             repeated_by: Vec::new(),
             implausible: None,
             feigned_by: None,
+            late: false,
             forecast_share: 1.0,
             excitation: None,
         }

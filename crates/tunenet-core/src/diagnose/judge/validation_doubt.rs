@@ -78,6 +78,8 @@ pub enum Doubt {
     Unconfirmed,
     /// They do less than another step of the integration.
     WithinStepError,
+    /// Inputs that act late look the same as this effect.
+    LateInputs(Text),
 }
 
 impl Doubt {
@@ -97,6 +99,7 @@ impl Doubt {
                 | Self::HeldOutUnexplained
                 | Self::Unconfirmed
                 | Self::WithinStepError
+                | Self::LateInputs(_)
         )
     }
 }
@@ -133,6 +136,7 @@ impl fmt::Display for Doubt {
             }
             Self::SingleMotion(words) => words,
             Self::Unconfirmed => "held-out recordings do not confirm it",
+            Self::LateInputs(effect) => return write!(f, "inputs that act late, as through a lag, look like {effect}"),
             Self::WithinStepError => "it explains less than half a step of the integration moves the joints by",
         };
         f.write_str(text)
@@ -159,6 +163,9 @@ pub(in crate::diagnose) fn validation_doubt(
     }
     if found.selected.iter().all(|selected| is_required(context, selected.entry)) {
         return None;
+    }
+    if let Some(late) = late_inputs(context, found) {
+        return Some(late);
     }
     if let Some(rival) = found.selected.iter().find_map(|selected| selected.excluded.clone()) {
         return Some(Doubt::ExcludedExplainsMore(rival));
@@ -200,6 +207,13 @@ pub(in crate::diagnose) fn validation_doubt(
         others.iter().map(share).fold(f64::INFINITY, f64::min)
     };
     forecast_doubt((before?, after?), fitted, share, context.recordings().len())
+}
+
+/// The effect that reads everything late, where inputs drive what is read: these may act late instead.
+fn late_inputs(context: &Context, found: &Selection) -> Option<Doubt> {
+    let is_driven = context.recordings().iter().all(|recording| recording.prepared.has_inputs());
+    let late = found.selected.iter().map(|selected| &context.catalogue[selected.entry]).find(|entry| entry.of[0].late);
+    late.filter(|_| is_driven).map(|entry| Doubt::LateInputs(entry.name.clone()))
 }
 
 /// The first effect of `best` that a wrong value of the simulation looks like, and which value.

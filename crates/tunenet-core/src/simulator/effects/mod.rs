@@ -64,9 +64,19 @@ impl MeasurementEffect {
         self.coefficients.iter().zip(values).all(|(c, v)| c.absent == *v)
     }
 
+    /// Whether it reads everything late or early by the same.
+    fn is_late(&self) -> bool {
+        let typical: Vec<f64> = self.coefficients.iter().map(|c| c.typical).collect();
+        match self.act {
+            Act::Clock { to_true, .. } => to_true(0.0, &typical) != 0.0,
+            _ => false,
+        }
+    }
+
     /// Its entry.
     pub fn entry(&self) -> Effect {
         Effect {
+            late: self.is_late(),
             plausible: self.plausible.to_vec(),
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
             ..Effect::new(self.name, Phase::Measurement, self.sentence, self.coefficients.to_vec())
