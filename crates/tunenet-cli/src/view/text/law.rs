@@ -66,12 +66,17 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
     }
     if !decides {
         let said = match found.answer.verdict {
-            Verdict::None => "nothing is left that a law could explain".to_owned(),
+            Verdict::None => {
+                format!("no smooth force is left that a law could explain ({})", evidence(&found.answer))
+            }
             Verdict::Named => match members.first().and_then(alias) {
                 Some(alias) => format!("the law is an effect of the catalogue: {alias}"),
                 None => "the effect of the catalogue explains the recordings as well as any law".to_owned(),
             },
-            _ => why_not(&found.answer).unwrap_or_else(|| "no law was found".to_owned()),
+            _ => {
+                let why = why_not(&found.answer).unwrap_or_else(|| "no law was found".to_owned());
+                format!("none passes ({}): {why}", evidence(&found.answer))
+            }
         };
         shown.line(&format!("  law: {said}"));
     }
@@ -86,6 +91,11 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         return;
     }
     shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
+}
+
+/// The evidence of a force without a law.
+fn evidence(answer: &tunenet_core::law::Answer) -> String {
+    format!("evidence of a force {:.1} nats", answer.base_force_nats)
 }
 
 fn numbers(member: &Member) -> String {

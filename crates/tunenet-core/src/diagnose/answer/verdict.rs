@@ -171,6 +171,18 @@ pub(in crate::diagnose) fn unique<T: PartialEq>(names: Vec<T>) -> Vec<T> {
 }
 
 impl Diagnosis {
+    /// The same with something missing, as this sentence says, where nothing is.
+    #[must_use]
+    pub fn reopened(mut self, description: String) -> Self {
+        if self.conclusion == Conclusion::None {
+            self.conclusion = Conclusion::Unknown { nearest: Vec::new(), description, remains: None };
+            for object in self.objects.iter_mut().filter(|object| object.verdict == Verdict::None) {
+                object.verdict = Verdict::Unknown;
+            }
+        }
+        self
+    }
+
     /// The same with its names in doubt, where it names effects.
     #[must_use]
     pub fn doubted(mut self, doubt: Doubt) -> Self {

@@ -51,6 +51,9 @@ fn a_name_in_doubt_stays_with_its_effect_and_no_other_verdict_changes() {
     assert!(found.objects.iter().all(|object| object.verdict == Verdict::OneOf), "{:?}", found.objects);
     let nothing = verdict_of(Truth { push: 0.4, ..Truth::default() }, 3, 0).doubted(Doubt::Unconfirmed);
     assert_eq!(nothing.verdict(), Verdict::None);
+    let reopened = nothing.reopened("a force is left".into());
+    assert_eq!((reopened.verdict(), reopened.conclusion.description()), (Verdict::Unknown, Some("a force is left")));
+    assert_eq!(found.clone().reopened(String::new()).verdict(), Verdict::OneOf);
 }
 
 #[test]

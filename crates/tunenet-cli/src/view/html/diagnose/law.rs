@@ -26,7 +26,7 @@ fn content(answer: &Answer, law: &Law) -> Markup {
     let decides = law.decides(answer.diagnosis.verdict()).is_some();
     html! {
         @if let Some(reason) = why_not(&found.answer) { p { (capital(&reason)) "." } }
-        @if !decides && found.answer.reason.is_none() { p { "Nothing is left that a law could explain." } }
+        @if !decides && found.answer.reason.is_none() { p { "No smooth force is left that a law could explain." } }
         @for member in &found.answer.members {
             h3 { code { (member.text()) } @if let Some(alias) = alias(member) { " \u{b7} " (alias) } }
             (numbers(member))
