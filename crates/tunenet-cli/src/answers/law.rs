@@ -120,7 +120,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Several => "the recordings do not distinguish these laws",
         Reason::Terms => "it has two terms, and their rivals were not compared",
         Reason::Flexible => {
-            "one flank of a bump, less than half a period of an oscillation, or two factors with two constants each fit any smooth force"
+            "one flank of a bump, less than half a period of an oscillation, and two factors with two constants each or of one variable fit any smooth force"
         }
         Reason::Few => "fewer than four recordings do not show whether something unmeasured differs between them",
         Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
@@ -130,7 +130,7 @@ pub fn why(reason: Reason) -> &'static str {
         }
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::ParameterBound => {
-            "a parameter of the simulation lies at a bound, and the recordings favour values beyond it (p below 0.01)"
+            "a parameter of the simulation lies at a bound, and the recordings may favour values beyond it"
         }
         Reason::NotLinear => {
             "rollouts are not linear enough in its constants to compare it with others by held-out recordings"

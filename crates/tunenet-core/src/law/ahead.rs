@@ -4,10 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::answer::Gates;
+use super::colour::Colour;
 use super::evidence::{Shared, residual_force};
-use super::information::{said, scaled};
+use super::information::{Outliers, said, scaled};
 use super::price::WIDER;
-use super::refit::{Law, Session, robust_squares};
+use super::refit::{Law, Session, independent, robust_squares};
 use super::response::{Fitted, Response, inverse_root, root};
 use crate::Result;
 use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, RolloutLog, residual_gap};
@@ -26,11 +27,14 @@ const LINEAR: f64 = 1.0;
 pub(super) struct Ahead<'a> {
     recordings: &'a [Prepared],
     noise: &'a [Vec<f64>],
+    colour: Colour,
     /// The error of the base model, over the noise and as a gap.
     base: Option<(f64, f64)>,
     /// Initial states, and the answer to an acceleration.
     starts: Option<Vec<Vec<f64>>>,
     response: Option<Response>,
+    /// The outliers that it leaves: densities of several laws are compared without the same samples.
+    outliers: Option<Outliers>,
     /// The noise that it leaves: densities of several laws are compared with the same noise.
     scale: Option<f64>,
 }
@@ -42,8 +46,8 @@ struct Met {
 }
 
 impl<'a> Ahead<'a> {
-    pub fn new(recordings: &'a [Prepared], noise: &'a [Vec<f64>]) -> Self {
-        Self { recordings, noise, base: None, starts: None, response: None, scale: None }
+    pub fn new(recordings: &'a [Prepared], noise: &'a [Vec<f64>], colour: Colour) -> Self {
+        Self { recordings, noise, colour, base: None, starts: None, response: None, outliers: None, scale: None }
     }
 
     /// Whether there are none.
@@ -78,7 +82,8 @@ impl<'a> Ahead<'a> {
         session.log.add(linear.rollouts());
         // The noise is what the law leaves of the recordings that it was fitted to: more certain than what differences show.
         let (scale, below, above) = (session.scale(law), session.freedom(law), self.freedom(&met));
-        let residuals = scaled(&met.residuals, scale);
+        let outliers = self.outliers.get_or_insert_with(|| Outliers::of(&met.residuals, session.width()));
+        let residuals = scaled(&outliers.replaced(&met.residuals), scale);
         let covariance = &law.fit.covariance * (WIDER * WIDER);
         let asked = differ(&linear, &residuals, &covariance);
         gates.held_out_differ_p = Some(asked.p);
@@ -144,7 +149,8 @@ impl<'a> Ahead<'a> {
             let near = self.starts.as_ref().and_then(|all| {
                 problem.fit(Point { parameters: parameters.to_vec(), nuisances: vec![all[d].clone()] }, 1.0).ok()
             });
-            let is_poor = |fit: &Fit| robust_squares(&fit.residuals) > MUCH * fit.residuals[0].len() as f64;
+            let is_poor =
+                |fit: &Fit| robust_squares(&fit.residuals) > MUCH * independent(&fit.residuals, self.colour) as f64;
             let mut found: Vec<Fit> = near.into_iter().collect();
             if found.iter().all(is_poor) {
                 found.extend(problem.fit(start(), 1.0).ok());
@@ -168,7 +174,7 @@ impl<'a> Ahead<'a> {
     /// How many values there are beyond the initial states.
     fn freedom(&self, met: &Met) -> f64 {
         let own: usize = self.recordings.iter().map(|r| r.nuisances.len()).sum();
-        met.residuals.iter().map(Vec::len).sum::<usize>().saturating_sub(own).max(1) as f64
+        independent(&met.residuals, self.colour).saturating_sub(own).max(1) as f64
     }
 
     /// The root mean square of the residuals in units of the noise.

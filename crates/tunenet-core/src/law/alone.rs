@@ -13,7 +13,7 @@ use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::Response;
 use super::shape::{Range, Role};
-use super::term::Term;
+use super::term::{Factor, Term};
 use crate::statistics::NORMAL_95;
 
 /// Akaike's price of a number, in twice the logarithmic likelihood.
@@ -22,7 +22,7 @@ const NUMBER: f64 = 2.0;
 const SUBSTANTIAL: f64 = 2.0;
 
 /// A simpler law than the best one is tested within so many margins of it.
-const HEARD: f64 = 2.0;
+const WITHIN: f64 = 2.0;
 
 /// How many numbers the data chose: constants, and exponents that were rounded.
 fn chosen(law: &Law) -> usize {
@@ -123,11 +123,11 @@ fn visits_shapes(terms: &[Term], numbers: &[Vec<f64>], deviations: &[f64], range
     })
 }
 
-/// Whether a law fits any smooth force: a bump of which a flank was seen only, less than half a period of an oscillation, or two factors
-/// with two constants each.
+/// Whether a law fits any smooth force: a bump of which a flank was seen only, less than half a period of an oscillation, two factors with two
+/// constants each, or two factors of one variable that fit any smooth curve of it.
 pub(super) fn is_flexible(response: &Response, law: &Law) -> bool {
     let shapes = visits_shapes(&law.terms, &law.numbers(), &law.deviations(), &response.ranges);
-    !shapes || law.terms.iter().any(is_product_of_four_constants)
+    !shapes || law.terms.iter().any(|term| is_product_of_four_constants(term) || is_any_curve(term))
 }
 
 /// Bumps and oscillations have two constants.
@@ -135,14 +135,23 @@ fn is_product_of_four_constants(term: &Term) -> bool {
     term.factors.len() > 1 && term.factors.iter().all(|factor| factor.constants() > 1)
 }
 
+/// Two factors of one variable of which both have a fitted constant, or which have three numbers in all: `abs(x)^p * cos(k*x)`,
+/// `x^2 * exp(-((x - h)/w)^2)`.
+fn is_any_curve(term: &Term) -> bool {
+    let [one, other] = term.factors.as_slice() else { return false };
+    let numbers = |factor: &Factor| factor.constants() + usize::from(factor.rounded.is_some());
+    let both_open = one.constants() > 0 && other.constants() > 0;
+    one.variable == other.variable && (both_open || numbers(one) + numbers(other) > 2)
+}
+
 /// The laws between which fitted recordings do not decide, and simpler ones that held-out recordings may favour by as much as the fitted
 /// ones speak against them.
 pub(super) fn near(session: &Session, response: &Response, laws: Vec<Law>, best: f64, margin: f64) -> Vec<Law> {
     let support: Vec<Support> = laws.iter().map(|law| Support::of(session, response, law, 0.0)).collect();
     let near = nearest(&support, Some(best), margin);
-    let heard = near.into_iter().zip(simpler(&support, best, HEARD * margin)).map(|(near, simpler)| near || simpler);
-    let heard = heard.collect();
-    kept(laws, heard)
+    let simpler = simpler(&support, best, WITHIN * margin);
+    let tested = near.into_iter().zip(simpler).map(|(near, simpler)| near || simpler).collect();
+    kept(laws, tested)
 }
 
 /// Which of these laws have fewer constants than the best of them and lie within `margin` of `best` by the criterion of Schwarz.
@@ -232,7 +241,6 @@ fn rounds(rounded: &Term, free: &Term, intervals: &[(f64, f64)]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::shape::Shape;
-    use super::super::term::Factor;
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
@@ -273,7 +281,7 @@ mod tests {
         let lead = support(100.0, 104.0, 2, 3);
         let of = |schwarz, constants| Support { constants, ..support(schwarz, 90.0, 2, 3) };
         let all = [lead, of(89.0, 2), of(89.0, 3), of(87.0, 2)];
-        assert_eq!(simpler(&all, 100.0, HEARD * 6.0), [false, true, false, false]);
+        assert_eq!(simpler(&all, 100.0, WITHIN * 6.0), [false, true, false, false]);
         assert_eq!(nearest(&all, Some(100.0), 6.0), [true, false, false, false]);
         assert!(simpler(&[], 100.0, 12.0).is_empty());
     }
@@ -311,6 +319,17 @@ mod tests {
         let of = |factors| is_product_of_four_constants(&Term::new(0, 1, factors));
         assert!(of(vec![bump(0), bump(1)]) && of(vec![bump(0), Factor::new(Shape::Wave, 1)]));
         assert!(!of(vec![bump(0)]) && !of(vec![bump(0), Factor::new(Shape::Power, 1)]) && !of(vec![]));
+    }
+
+    #[test]
+    fn two_factors_of_one_variable_fit_any_curve_of_it_where_both_are_open() {
+        let of = |shape, variable, rounded| Factor { rounded, ..Factor::new(shape, variable) };
+        let any = |one: &Factor, other: &Factor| is_any_curve(&Term::new(0, 1, vec![one.clone(), other.clone()]));
+        let (screen, wave) = (of(Shape::Exp, 0, None), of(Shape::Cos, 0, None));
+        assert!(!any(&screen, &of(Shape::Power, 0, Some(-1.0))) && any(&screen, &of(Shape::Power, 0, None)));
+        assert!(any(&of(Shape::OddPower, 0, None), &wave) && !any(&of(Shape::OddPower, 1, None), &wave));
+        assert!(any(&of(Shape::Bump, 0, None), &of(Shape::OddPower, 0, Some(2.0))));
+        assert!(!any(&of(Shape::Sign, 0, None), &wave));
     }
 
     fn power(rounded: Option<f64>) -> Term {

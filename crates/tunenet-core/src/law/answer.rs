@@ -62,11 +62,11 @@ pub enum Reason {
     /// It has two terms, whose rivals were not compared.
     Terms,
     /// It fits any smooth force: a bump of which one flank was seen only, less than half a period of an oscillation, or a product of two
-    /// factors with two constants each.
+    /// factors with two constants each, or of one variable.
     Flexible,
     /// A constant of it lies at the end of the range that is searched.
     Bound,
-    /// A parameter of the simulation lies at a bound, and the recordings favour values beyond it.
+    /// A parameter of the simulation lies at a bound other than 0, or at one beyond which the recordings favour values.
     ParameterBound,
     /// Rollouts are not linear enough in its constants to compare it with other laws by held-out recordings.
     NotLinear,

@@ -66,7 +66,7 @@ impl Around {
         let (recordings, noise) = (session.recordings, session.noise);
         let (point, residuals) = (&fit.point, fit.residuals.as_slice());
         let all = Fitted::each(recordings, noise, (point, residuals), (law, numbers));
-        let response = Response::measure(session.host, &all, &columns, log)?;
+        let response = Response::measure(session.host, &all, &columns, log)?.counting(session.count);
         let mut point = fit.point.clone();
         point.parameters.truncate(session.base.point.parameters.len());
         Ok(Self { response, columns, point })

@@ -15,7 +15,7 @@ use crate::statistics::upper_chi_squared;
 /// Tests a law.
 pub(super) fn judge(session: &Session, response: &Response, ahead: &mut Ahead, law: &Law) -> Result<Gates> {
     let linear = session.linearise(response, law)?;
-    let residuals = scaled(&law.fit.residuals, session.scale(law));
+    let residuals = scaled(&session.cleaned(&law.fit.residuals), session.scale(law));
     let residual_force_nats = residual_force(response, &residuals, linear.columns(), Shared::Free);
     let each: Vec<_> = linear.columns().iter().zip(&residuals).map(|(columns, left)| said(columns, left)).collect();
     let heterogeneity_p = (session.recordings.len() > 1).then(|| heterogeneity(&each));

@@ -12,6 +12,7 @@
 //! | `response` | how recordings answer to an acceleration, by rollouts |
 //! | `linear` | exhaustive search in that response |
 //! | `around`, `rivals` | the response about the best law, and every form that is near it there |
+//! | `colour` | autocorrelated noise, and how many independent values it leaves |
 //! | `price` | information criterion and bits |
 //! | `refit` | fits through rollouts |
 //! | `begin` | the best forms of the linear search, fitted |
@@ -33,6 +34,7 @@ mod answer;
 mod around;
 mod begin;
 mod between;
+mod colour;
 mod course;
 mod evidence;
 mod explore;
@@ -76,6 +78,7 @@ use crate::statistics::root_mean_square;
 use ahead::Ahead;
 use around::Around;
 use between::between;
+use colour::Colour;
 use evidence::{Shared, residual_force};
 use explore::explore;
 use forms::{by_need, distinct, is_same_open, ranked};
@@ -128,18 +131,22 @@ impl Default for Settings {
 /// # Errors
 /// Where the simulator refuses the recordings without any law.
 pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], settings: &Settings) -> Result<Answer> {
-    let noise = pooled(recordings, held_out);
-    let (noise, held_noise) = noise.split_at(recordings.len());
+    let white = pooled(recordings, held_out);
+    let (noise, held_noise) = white.split_at(recordings.len());
     let most = settings.rollouts.unwrap_or(ROLLOUTS * recordings.len());
     let log = RolloutLog::new(Some(most), None, None);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
     let allowed = (SEARCH_SHARE * most as f64) as usize;
     let known = settings.known.as_ref().filter(|point| point.nuisances.len() == recordings.len());
-    let mut session = Session::new(host, recordings, (noise, known), &log, allowed)?;
+    let first = Session::new(host, recordings, (noise, Colour::WHITE, known), &log, allowed)?;
+    let colour = Colour::of(recordings, &first.base.residuals);
+    let (noise, held_noise) = (colour.slow_noise(recordings, noise), colour.slow_noise(held_out, held_noise));
+    let mut session =
+        if colour.is_white() { first } else { Session::new(host, recordings, (&noise, colour, known), &log, allowed)? };
     let base = Around::base(&session, &log)?;
-    let base_force_nats =
-        residual_force(&base.response, &session.base.residuals, session.linear.columns(), Shared::Free);
-    let (left, before) = (rms(&session.base.residuals), session.before);
+    let left = session.cleaned(&session.base.residuals);
+    let base_force_nats = residual_force(&base.response, &left, session.linear.columns(), Shared::Free);
+    let (left, before) = (rms(&session.base.residuals, colour), session.before);
     let none = |verdict, reason| Answer {
         verdict,
         reason,
@@ -164,7 +171,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
             if log.was_short() || session.short.load(Ordering::Relaxed) { Reason::Rollouts } else { Reason::Grammar };
         return Ok(Answer { rival_bic_gain, ..none(Verdict::Unknown, Some(reason)) });
     }
-    let mut ahead = Ahead::new(held_out, held_noise);
+    let mut ahead = Ahead::new(held_out, &held_noise, colour);
     let mut answer = Answer { rival_bic_gain, ..none(Verdict::Unknown, None) };
     conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer);
     answer.rollouts = log.count() + session.before;
@@ -192,7 +199,7 @@ fn conclude(
     });
     let found = distinct(ranked(found.collect()));
     let best = found.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
-    answer.left.1 = found.first().map_or(answer.left.0, |law| rms(&law.fit.residuals));
+    answer.left.1 = found.first().map_or(answer.left.0, |law| rms(&law.fit.residuals, session.colour));
     // An effect of the catalogue was known before the data were seen: what it explains better is no law.
     let best = answer.rival_bic_gain.map_or(best, |gain| best.max(gain));
     let near = |laws| alone::near(session, response, laws, best, settings.margin);
@@ -238,6 +245,7 @@ fn conclude(
     let members = alone::merged(alone::undecided(session, response, members, settings.margin));
     let same = members.iter().any(|(law, _)| is_known(law));
     let flexible = members.first().is_some_and(|(law, _)| alone::is_flexible(response, law));
+    let bounded = members.first().is_some_and(|(law, _)| session.is_at_bound(law).unwrap_or(true));
     answer.followed = members.first().map_or_else(Vec::new, |(law, _)| followed(session, law));
     // ... and where no test refuses another one that explains the fitted recordings better: then one of them is not what it seems.
     let refused = members.first().and_then(|(law, _)| {
@@ -263,6 +271,7 @@ fn conclude(
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
+        [_] if bounded => (Verdict::OneOf, Some(Reason::ParameterBound)),
         [one] if one.gates.doubt().is_some() => (Verdict::OneOf, one.gates.doubt()),
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [one] if one.gates.held_out_nats.is_none() => (Verdict::OneOf, Some(Reason::NotLinear)),
@@ -288,8 +297,9 @@ fn followed(session: &Session, law: &Law) -> Vec<Followed> {
     session.recordings.iter().enumerate().map(one).collect()
 }
 
-fn rms(residuals: &[Vec<f64>]) -> f64 {
-    root_mean_square(residuals.iter().flatten().copied())
+/// In units of the noise, of which slow changes meet more than each value has.
+fn rms(residuals: &[Vec<f64>], colour: Colour) -> f64 {
+    colour.values_for_one().sqrt() * root_mean_square(residuals.iter().flatten().copied())
 }
 
 /// How far the noise of one recording may lie from that of all for them to be one, by this factor or by as many standard deviations.

@@ -3,6 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use super::Named;
+use super::colour::Colour;
+use super::information::Outliers;
 use super::price;
 use super::response::Response;
 use super::space::{Carried, Host, Visiting};
@@ -71,7 +73,10 @@ pub(super) struct Session<'a> {
     /// The base model's free parameters.
     pub free: Vec<usize>,
     pub squares: f64,
+    /// How many independent values the recordings hold.
     pub count: usize,
+    /// The colour of their noise.
+    pub colour: Colour,
     /// How many factors there are to choose from.
     pub factors: usize,
     /// How many rollouts the search may use before its tests.
@@ -93,7 +98,7 @@ impl<'a> Session<'a> {
     pub fn new(
         host: &'a dyn Host,
         recordings: &'a [Prepared],
-        (noise, known): (&'a [Vec<f64>], Option<&Point>),
+        (noise, colour, known): (&'a [Vec<f64>], Colour, Option<&Point>),
         log: &'a RolloutLog,
         allowed: usize,
     ) -> Result<Self> {
@@ -130,7 +135,7 @@ impl<'a> Session<'a> {
         let mut tried = found.into_iter().map(settled);
         let first = tried.next().unwrap_or_else(|| Err(refused.unwrap_or_else(|| problem.unaffordable())));
         let (base, linear) = first.or_else(|error| tried.find_map(Result::ok).ok_or(error))?;
-        let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
+        let (squares, count) = (counted(&base), independent(&base.residuals, colour));
         let short = AtomicBool::new(false);
         Ok(Self {
             host,
@@ -143,6 +148,7 @@ impl<'a> Session<'a> {
             free,
             squares,
             count,
+            colour,
             factors: 1,
             allowed,
             short,
@@ -266,6 +272,23 @@ impl<'a> Session<'a> {
         Ok(linear)
     }
 
+    /// How many channels the recordings have.
+    pub fn width(&self) -> usize {
+        self.recordings.first().map_or(1, |recording| recording.seen.channels().len())
+    }
+
+    /// Residuals of the fitted recordings without their outliers.
+    pub fn cleaned(&self, residuals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        Outliers::of(residuals, self.width()).replaced(residuals)
+    }
+
+    /// Whether a parameter of the simulator lies at a bound, 0 aside, which is an end by nature.
+    pub fn is_at_bound(&self, law: &Law) -> Result<bool> {
+        let simulator = self.host.carrying(&[])?;
+        let at = |&i: &usize| simulator.parameters()[i].bound_reached(law.fit.point.parameters[i]).is_some();
+        Ok(self.free.iter().any(at))
+    }
+
     /// How many values there are beyond what a law and the initial states take.
     pub fn freedom(&self, law: &Law) -> f64 {
         let own = self.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>();
@@ -275,7 +298,7 @@ impl<'a> Session<'a> {
 
     /// The noise that a law leaves, in units of what differences of the series show, which is less certain.
     pub fn scale(&self, law: &Law) -> f64 {
-        (robust_squares(&law.fit.residuals) / self.freedom(law)).sqrt().max(f64::MIN_POSITIVE)
+        (robust_squares(&self.cleaned(&law.fit.residuals)) / self.freedom(law)).sqrt().max(f64::MIN_POSITIVE)
     }
 
     /// At which bound each free parameter lies, -1 at the lower one and 1 at the upper one, and 0 within them; a law's own numbers count as
@@ -364,6 +387,14 @@ impl Rival {
         let squares: f64 = pairs().map(|(a, b)| (a - b).powi(2)).sum();
         squares <= pairs().count() as f64 * SAME * SAME
     }
+}
+
+/// How many independent values there are, the noise being of this colour.
+pub(super) fn independent(residuals: &[Vec<f64>], colour: Colour) -> usize {
+    let all: usize = residuals.iter().map(Vec::len).sum();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
+    let few = (all as f64 / colour.values_for_one()).round() as usize;
+    few.max(1)
 }
 
 /// The robust sum of squares that laws are compared by.

@@ -162,6 +162,11 @@ impl Response {
         Ok(Self::reduced(parts, without, columns, ranges, space.axes.len()))
     }
 
+    /// The same of recordings that hold so many independent values.
+    pub fn counting(self, count: usize) -> Self {
+        Self { count, ..self }
+    }
+
     fn reduced(
         parts: Vec<(Vec<Visit>, DMatrix<f64>)>,
         without: Vec<Vec<f64>>,

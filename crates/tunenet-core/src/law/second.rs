@@ -20,8 +20,12 @@ const LEAST_GAIN: f64 = 6.0;
 pub(super) fn second(session: &Session, around: &Around, singles: &[Candidate], first: &Law) -> Vec<Law> {
     let response = &around.response;
     let Ok(linear) = session.linearise(response, first) else { return Vec::new() };
-    let force =
-        residual_force(response, &scaled(&first.fit.residuals, session.scale(first)), linear.columns(), Shared::Free);
+    let force = residual_force(
+        response,
+        &scaled(&session.cleaned(&first.fit.residuals), session.scale(first)),
+        linear.columns(),
+        Shared::Free,
+    );
     if force <= MOST_FORCE_NATS || first.terms.len() > 1 {
         return Vec::new();
     }

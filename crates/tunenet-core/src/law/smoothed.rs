@@ -98,6 +98,7 @@ pub(super) fn along(session: &Session, base: &Around, clock: usize) -> Result<Ar
     });
     let columns: Vec<Columns> = paths.iter().map(|path| path.columns.clone()).collect();
     let response = Response::measure(session.host, &fitted.collect::<Vec<_>>(), &columns, session.log)?;
+    let response = response.counting(session.count);
     let nuisances = paths.iter().map(|path| path.point.nuisances[0].clone()).collect();
     let parameters = base.point.parameters.clone();
     Ok(Around::paths(response, columns, Point { parameters, nuisances }))

@@ -5,6 +5,7 @@ mod line;
 use line::{Line, observed};
 
 use super::around::Around;
+use super::colour::Colour;
 use super::refit::Session;
 use super::term::{Factor, Term};
 use super::{Sample, Settings, Shape, Verdict, search};
@@ -147,7 +148,7 @@ fn a_path_follows_its_recording_where_the_base_model_does_not() {
         |_: usize, v0: f64, t: f64| v0 * t - 0.5 * g * t * t + push / (omega * omega) * (1.0 - (omega * t).cos());
     let (fitted, log) = (prepared(&host, &recordings(&SPEEDS, 3, &path)), RolloutLog::default());
     let noise = vec![vec![NOISE_M]; fitted.len()];
-    let session = Session::new(&host, &fitted, (&noise, None), &log, 10_000).unwrap();
+    let session = Session::new(&host, &fitted, (&noise, Colour::WHITE, None), &log, 10_000).unwrap();
     let base = Around::base(&session, &log).unwrap();
     let along = super::smoothed::along(&session, &base, 2).unwrap();
     let off = |around: &Around| {
@@ -205,7 +206,7 @@ fn fitted(terms: &[Term], numbers: &[Vec<f64>], of: &dyn Fn(&Line, &Around, supe
     let host = Line::new();
     let seen = prepared(&host, &recordings(&SPEEDS, 3, &|_, v0, t| v0 * t - 0.5 * 9.8 * t * t));
     let (noise, log) = (vec![vec![NOISE_M]; seen.len()], RolloutLog::default());
-    let session = Session::new(&host, &seen, (&noise, None), &log, 10_000).unwrap();
+    let session = Session::new(&host, &seen, (&noise, Colour::WHITE, None), &log, 10_000).unwrap();
     let around = Around::base(&session, &log).unwrap();
     let law = session.on(&around.response, terms, numbers, session.base.point.clone()).unwrap();
     of(&host, &around, law);
@@ -246,7 +247,7 @@ fn a_response_follows_a_force_that_turns_over_within_a_piece() {
     let host = Line::new();
     let seen = [observed(SECONDS, 0.0, 1, &|t| v0 * t - 0.5 * g * t * t)];
     let (fitted, noise, log) = (prepared(&host, &seen), [vec![NOISE_M]], RolloutLog::default());
-    let session = Session::new(&host, &fitted, (&noise, None), &log, 10_000).unwrap();
+    let session = Session::new(&host, &fitted, (&noise, Colour::WHITE, None), &log, 10_000).unwrap();
     let around = Around::base(&session, &log).unwrap();
     let friction = Term::new(0, 1, vec![Factor::new(Shape::Sign, 1)]);
     let answer = &around.response.answer(&friction, &[-a])[0];
