@@ -6,7 +6,7 @@ use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::{Response, ranges};
 use super::shape::Shape;
-use super::space::Visit;
+use super::space::{Nature, Visit};
 use super::term::Term;
 use crate::Result;
 use crate::simulator::{Prepared, predict};
@@ -57,7 +57,16 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
     let seen = ranges(&visited, space.variables.len());
     let used = |v: &usize| law.terms.iter().any(|t| t.factors.iter().any(|f| f.variable == *v));
     let valid = (0..space.variables.len()).filter(used);
-    let valid = valid.map(|v| (space.variables[v].name.clone(), (seen[v].low, seen[v].high))).collect();
+    let clocks = || session.recordings.iter().map(|recording| recording.seen.clock());
+    let range = |v: usize| match space.variables[v].nature {
+        // Every recording visits its clock from the first to the last sample.
+        Nature::Clock => {
+            let first = clocks().map(|clock| clock[0]).fold(f64::INFINITY, f64::min);
+            (first, clocks().map(|clock| clock[clock.len() - 1]).fold(f64::NEG_INFINITY, f64::max))
+        }
+        _ => (seen[v].low, seen[v].high),
+    };
+    let valid = valid.map(|v| (space.variables[v].name.clone(), range(v))).collect();
     let bits = price::bits(space, session.factors, &law.terms);
     let own = session.free.iter().enumerate().map(|(i, &index)| {
         let half = NORMAL_95 * WIDER * law.fit.covariance[(i, i)].max(0.0).sqrt();

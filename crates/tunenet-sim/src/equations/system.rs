@@ -129,7 +129,7 @@ impl System {
             {
                 let of_states = if scene.outputs.is_empty() { ", or [outputs] with such names" } else { "" };
                 let expected = format!(
-                    "a lower-case channel that ends in its unit and is not the clock, such as `angle_rad`{of_states}"
+                    "a lower-case channel that ends in its unit and is not the clock, such as `angle_rad` or, without a unit, `count_1`{of_states}"
                 );
                 return Err(Misfit::new(&path, expected, format!("`{header}`")));
             }
