@@ -54,7 +54,9 @@ fn magnitude(tree: &Tree) -> Option<&Tree> {
 fn multiplied<'a>(tree: &'a Tree, factors: &mut Vec<&'a Tree>) {
     match &tree.node {
         Node::Call { function: Function::Multiply, arguments } => {
-            arguments.iter().for_each(|argument| multiplied(argument, factors));
+            for argument in arguments {
+                multiplied(argument, factors);
+            }
         }
         _ => factors.push(tree),
     }
