@@ -1,5 +1,6 @@
 //! Comprehensive models (Atkinson 1970): x^p and exp(-x/c), which fall with a variable, and x^n exp(-x/c) with a whole n between are nearly
-//! the same where recordings span less than a decade of it. A law of one of the first two forms is therefore compared with the product.
+//! the same where recordings span less than a decade of it, and so are x^p and ln(1 + x/c), which rise slower than it, and x/(1 + x/c)
+//! (Michaelis and Menten 1913). A law of one of the first two forms is therefore compared with the product.
 
 use super::forms::is_same;
 use super::refit::{Law, Session};
@@ -10,7 +11,7 @@ use super::term::{Factor, Term};
 /// Exponents of a product.
 const WHOLE: [f64; 3] = [-1.0, -2.0, -3.0];
 
-/// Products that fall as fast as a law of one factor in the middle of the data, and are as large there. A whole power stays as it is.
+/// Products that rise or fall as fast as a law of one factor in the middle of the data, and are as large there. A whole power stays as it is.
 fn products(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f64>)> {
     let [factor] = term.factors.as_slice() else { return Vec::new() };
     let (coefficients, inner) = numbers.split_at(term.components);
@@ -21,18 +22,27 @@ fn products(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f6
     let (value, slope) = match factor.shape {
         Shape::Power if factor.rounded.is_none_or(|p| p.fract() != 0.0) => (middle.powf(constant), constant),
         Shape::Exp => ((-middle / constant).exp(), -middle / constant),
+        Shape::Log => {
+            let (share, value) = (middle / constant, (middle / constant).ln_1p());
+            (value, share / ((1.0 + share) * value))
+        }
         _ => return Vec::new(),
     };
-    let product = |n: f64| {
-        let scale = middle / (n - slope);
-        let size = value / (middle.powf(n) * (-middle / scale).exp());
-        let mut numbers: Vec<f64> = coefficients.iter().map(|c| c * size).collect();
+    let product = |shape: Shape, scale: f64, power: f64, there: f64| {
+        let mut numbers: Vec<f64> = coefficients.iter().map(|c| c * value / there).collect();
         numbers.push(scale);
-        let rounded = Factor { rounded: Some(n), ..Factor::new(Shape::Power, factor.variable) };
-        let factors = vec![Factor::new(Shape::Exp, factor.variable), rounded];
+        let rounded = Factor { rounded: Some(power), ..Factor::new(Shape::Power, factor.variable) };
+        let factors = vec![Factor::new(shape, factor.variable), rounded];
         (Term::new(term.direction, term.components, factors), numbers)
     };
-    WHOLE.into_iter().filter(|n| *n > slope).map(product).collect()
+    if slope > 0.0 && slope < 1.0 {
+        return vec![product(Shape::Saturation, middle * slope / (1.0 - slope), 1.0, middle * slope)];
+    }
+    let falling = |n: f64| {
+        let scale = middle / (n - slope);
+        product(Shape::Exp, scale, n, middle.powf(n) * (-middle / scale).exp())
+    };
+    WHOLE.into_iter().filter(|n| *n > slope).map(falling).collect()
 }
 
 /// Fits of the products that are near one of `laws`, each form once.
@@ -76,6 +86,21 @@ mod tests {
         let scales: Vec<f64> = found.iter().map(|(_, numbers)| numbers[1]).collect();
         assert!((scales[0] - 4.0 / 3.0).abs() < 1e-12 && (scales[1] - 4.0).abs() < 1e-12, "{scales:?}");
         assert!((value(-2.0, &found[1].1) - 3.0 * (-2.5_f64).exp()).abs() < 1e-12, "{found:?}");
+    }
+
+    /// In the middle, 2, 6 √x rises as x/(1 + x/2) does, and ln(1 + x/c) as fast as another.
+    #[test]
+    fn what_rises_slower_than_its_variable_is_compared_with_a_saturation() {
+        let found = of(Shape::Power, Some(0.5), &[6.0]);
+        assert_eq!((found.len(), found[0].0.factors[1].rounded), (1, Some(1.0)));
+        let value = |x: f64| found[0].1[0] * x / (1.0 + x / found[0].1[1]);
+        assert!((found[0].1[1] - 2.0).abs() < 1e-12 && (value(2.0) - 6.0 * 2.0_f64.sqrt()).abs() < 1e-12, "{found:?}");
+        let found = of(Shape::Log, None, &[1.0, 0.7]);
+        let (law, product) = (|x: f64| (x / 0.7).ln_1p(), |x: f64| found[0].1[0] * x / (1.0 + x / found[0].1[1]));
+        for x in [2.0, 2.002] {
+            assert!((law(x) - product(x)).abs() < 1e-6, "{found:?}");
+        }
+        assert!(of(Shape::Power, Some(1.5), &[1.0]).is_empty());
     }
 
     /// A whole power, and what rises or falls slower than 1/x, has no product of this kind; what falls far faster has those of all exponents.

@@ -19,7 +19,7 @@
 //! | `smoothed` | laws about paths that follow the recordings, whatever the force |
 //! | `simplify` | limits, omitted factors, rounded exponents |
 //! | `second` | a second term |
-//! | `between` | products of a power and an exponential near one of both |
+//! | `between` | products of a power and an exponential or a saturation near a law of one factor |
 //! | `exponent` | exponents of variables far from 1 in their unit |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
