@@ -3,6 +3,7 @@
 mod delay;
 mod emps;
 mod law;
+mod motor;
 mod orbits;
 mod swing;
 mod wrong;
