@@ -121,6 +121,18 @@ fn pure(argument: &Tree, unit: Option<&Unit>, what: &str) -> Result<(), FormulaE
     }
 }
 
+/// The first number that is taken for one without a unit and multiplies or divides; exponents aside.
+pub(crate) fn pure_factor(tree: &Tree) -> Option<f64> {
+    match &tree.node {
+        Node::Number(value) => PURE.contains(value).then_some(*value).filter(|value| *value != 1.0),
+        Node::Call { function: Function::Power, arguments } => pure_factor(&arguments[0]),
+        Node::Call { function: Function::Negate | Function::Multiply | Function::Divide, arguments } => {
+            arguments.iter().find_map(pure_factor)
+        }
+        _ => None,
+    }
+}
+
 /// The value of a node that is a number, with its sign.
 pub(crate) fn number(tree: &Tree) -> Option<f64> {
     match &tree.node {
@@ -188,5 +200,9 @@ mod tests {
         let refused = Formula::parse("c*x", &names()).unwrap().require_unit(&speed).unwrap_err();
         assert_eq!(refused.to_string(), "expected a formula in m/s, found one without a unit");
         assert!(Formula::parse("2.5*x", &names()).unwrap().require_unit(&speed).is_ok());
+        for text in ["2*x", "-x*2", "x/(w/4)*w^2/w*2"] {
+            let refused = Formula::parse(text, &names()).unwrap().require_unit(&speed).unwrap_err();
+            assert!(refused.to_string().contains("is taken for a number without a unit"), "{text}: {refused}");
+        }
     }
 }

@@ -149,7 +149,14 @@ impl Formula {
             // A number alone may be one of anything.
             _ if matches!(self.tree.node, Node::Number(_)) => Ok(()),
             Some(unit) if unit != expected => {
-                Err(FormulaError::new(0..self.text.len(), format!("a formula in {expected}"), check::one_in(unit)))
+                let found = match check::pure_factor(&self.tree) {
+                    Some(number) => format!(
+                        "{}, where {number} is taken for a number without a unit; if it has one, make it a parameter with a `unit`",
+                        check::one_in(unit)
+                    ),
+                    None => check::one_in(unit),
+                };
+                Err(FormulaError::new(0..self.text.len(), format!("a formula in {expected}"), found))
             }
             _ => Ok(()),
         }
