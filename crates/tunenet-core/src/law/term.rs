@@ -182,13 +182,20 @@ impl Term {
         let keys = self.keys(space);
         let mut at = self.components;
         let mut parts = Vec::new();
+        let has =
+            |shape: Shape, variable: usize| self.factors.iter().any(|f| (f.shape, f.variable) == (shape, variable));
         for factor in &self.factors {
             let x = &space.variables[factor.variable].name;
             let own: Vec<&str> = keys[at..at + factor.constants()].iter().map(|(key, _)| key.as_str()).collect();
             at += factor.constants();
             let rounded = factor.rounded.map(|whole| whole.to_string());
             let first = rounded.as_deref().or(own.first().copied()).unwrap_or_default();
-            parts.push(written(factor.shape, x, first, own.get(1).copied().unwrap_or_default()));
+            // |x|^p sign(x) times sign(x) is |x|^p.
+            match factor.shape {
+                Shape::OddPower if has(Shape::Sign, factor.variable) => parts.push(magnitude(x, first)),
+                Shape::Sign if has(Shape::OddPower, factor.variable) => {}
+                shape => parts.push(written(shape, x, first, own.get(1).copied().unwrap_or_default())),
+            }
         }
         parts.join(" * ")
     }
@@ -274,6 +281,15 @@ fn written(shape: Shape, x: &str, a: &str, b: &str) -> String {
         Shape::Stribeck => format!("exp(-({x}/{a})^2) * sign({x})"),
         Shape::Sign => format!("sign({x})"),
         Shape::Window => String::new(),
+    }
+}
+
+/// `abs(x)^a`.
+fn magnitude(x: &str, a: &str) -> String {
+    match a {
+        "1" => format!("abs({x})"),
+        "2" => format!("{x}^2"),
+        _ => format!("abs({x})^{a}"),
     }
 }
 
