@@ -163,6 +163,11 @@ impl Answer<'_> {
         self.diagnosis.rollouts + law.map_or(0, |found| found.answer.rollouts)
     }
 
+    /// How long the diagnosis and the search for a law took, s.
+    pub fn all_seconds(&self) -> f64 {
+        self.seconds + self.law.map_or(0.0, |law| law.seconds)
+    }
+
     /// Names to choose from: of a set, or the nearest where nothing fits.
     pub fn candidates(&self) -> Vec<&str> {
         match self.diagnosis.verdict() {

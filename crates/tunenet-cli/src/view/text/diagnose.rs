@@ -141,7 +141,7 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
         }
     };
     let rollouts = rolled_out(answer.rollouts(), answer.re_asks);
-    note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", answer.seconds));
+    note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", answer.all_seconds()));
 }
 
 /// Of many recordings with the same to say, the first few.

@@ -48,7 +48,7 @@ pub fn write(
         h2 { "Warnings and notes" }
         (checks::warnings(&answer.notes()))
         h2 { "Provenance" }
-        (provenance.section(&answer.diagnosis.rollouts.to_string()))
+        (provenance.section(&answer.rollouts().to_string()))
     };
     page::write(path, &page::page("Diagnosis", &title(answer), &body))
 }
