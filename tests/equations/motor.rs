@@ -1,5 +1,5 @@
 //! A motor whose speed is recorded, driven in steps: dry friction is a law, an input that acts through a lag is no late reading for certain,
-//! and autocorrelated noise is no force.
+//! and autocorrelated noise is no law.
 
 use std::fmt::Write as _;
 
@@ -74,10 +74,10 @@ fn an_input_through_a_lag_is_not_a_late_reading_for_certain() {
 }
 
 #[test]
-fn autocorrelated_noise_is_no_force() {
+fn autocorrelated_noise_is_no_law() {
     for seed in [41, 51, 61] {
         let json = diagnosed(Hidden { correlation: 0.6, ..Hidden::default() }, seed, "--law");
         assert!(["none", "unknown"].contains(&json["law"]["verdict"].as_str().unwrap()), "{json:#}");
-        assert_eq!(json["verdict"], "none", "{json:#}");
+        assert!(["none", "unknown"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
     }
 }
