@@ -13,6 +13,7 @@
 //! | `linear` | exhaustive search in that response |
 //! | `around`, `rivals` | the response about the best law, and every form that is near it there |
 //! | `colour` | autocorrelated noise, and how many independent values it leaves |
+//! | `outliers` | residuals that the tests leave out |
 //! | `price` | information criterion and bits |
 //! | `refit` | fits through rollouts |
 //! | `begin` | the best forms of the linear search, fitted |
@@ -44,6 +45,7 @@ mod found;
 mod information;
 mod judge;
 mod linear;
+mod outliers;
 mod price;
 mod refit;
 mod response;

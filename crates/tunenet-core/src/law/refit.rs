@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::Named;
 use super::colour::Colour;
-use super::information::Outliers;
+use super::outliers::Outliers;
 use super::price;
 use super::response::Response;
 use super::space::{Carried, Host, Visiting};
