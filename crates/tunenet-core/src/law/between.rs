@@ -1,6 +1,6 @@
-//! Comprehensive models (Atkinson 1970): x^p and exp(-x/c), which fall with a variable, and x^n exp(-x/c) with a whole n between are nearly
-//! the same where recordings span less than a decade of it, and so are x^p and ln(1 + x/c), which rise slower than it, and x/(1 + x/c)
-//! (Michaelis and Menten 1913). A law of one of the first two forms is therefore compared with the product.
+//! Comprehensive models (Atkinson 1970): where recordings span less than a decade of a variable, x^p and exp(-x/c), which fall with it, are
+//! nearly x^n exp(-x/c) with a whole n; x^p and ln(1 + x/c), which rise slower than it, are nearly x/(1 + x/c) (Michaelis and Menten 1913).
+//! A law of one factor of these shapes is therefore compared with the product.
 
 use super::forms::is_same;
 use super::refit::{Law, Session};
