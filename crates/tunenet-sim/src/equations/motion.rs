@@ -87,8 +87,7 @@ impl<'a> Motion<'a> {
         let (coefficients, law_numbers) = coefficients.split_at(slots.coefficients.len());
         values[slots.coefficients.clone()].copy_from_slice(coefficients);
         system.fix(&mut values);
-        let there = |adds: &super::system::Adds| values[adds.coefficients.clone()] != adds.absent;
-        let mut acting: Vec<bool> = system.candidates.iter().map(there).collect();
+        let mut acting: Vec<bool> = system.candidates.iter().map(|adds| adds.acts(&values)).collect();
         let terms = system.candidates.iter().zip(&acting).filter(|(_, acts)| **acts).flat_map(|(adds, _)| &adds.terms);
         let added = terms.map(|term| (term.state, &term.program)).collect();
         acting.extend(system.laws.iter().map(|_| true));
@@ -121,7 +120,6 @@ impl<'a> Motion<'a> {
 
     /// Whether the derivatives bend sharply somewhere.
     pub fn bends(&self) -> bool {
-        let there = |adds: &super::system::Adds| self.values[adds.coefficients.clone()] != adds.absent;
         let mut numbers = self.law_numbers.as_slice();
         let by_law = |law: &LawTerm| {
             let (own, rest) = numbers.split_at(law.numbers());
@@ -129,7 +127,9 @@ impl<'a> Motion<'a> {
             law.bends(own)
         };
         let system = self.system;
-        system.bends || system.candidates.iter().any(|adds| adds.bends && there(adds)) || system.laws.iter().any(by_law)
+        system.bends
+            || system.candidates.iter().any(|adds| adds.bends && adds.acts(&self.values))
+            || system.laws.iter().any(by_law)
     }
 
     /// Lets programs read the state at an instant.

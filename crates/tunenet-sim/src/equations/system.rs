@@ -44,6 +44,13 @@ pub(super) struct Adds {
     pub bends: bool,
 }
 
+impl Adds {
+    /// Whether its coefficients in the array of values are not the absent ones.
+    pub fn acts(&self, values: &[f64]) -> bool {
+        values[self.coefficients.clone()] != self.absent
+    }
+}
+
 /// An event: when it happens, and what states are then.
 #[derive(Debug, Clone)]
 pub(super) struct EventOf {
