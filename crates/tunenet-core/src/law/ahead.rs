@@ -3,9 +3,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::answer::Gates;
 use super::colour::Colour;
 use super::evidence::{Shared, residual_force};
+use super::gates::Gates;
 use super::information::{said, scaled};
 use super::outliers::Outliers;
 use super::price::WIDER;

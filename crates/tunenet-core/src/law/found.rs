@@ -1,7 +1,8 @@
 //! A law with its intervals (Wald 1943, wider for the choice of the form) and the range in which it was seen.
 
-use super::answer::{FoundTerm, Gates, Member, Number, Rounded};
+use super::answer::{FoundTerm, Member, Number, Rounded};
 use super::course::courses;
+use super::gates::Gates;
 use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::{Response, ranges};

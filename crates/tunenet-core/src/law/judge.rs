@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::ahead::Ahead;
-use super::answer::Gates;
 use super::evidence::{Shared, residual_force};
+use super::gates::Gates;
 use super::information::{said, scaled};
 use super::refit::{Law, Session};
 use super::response::{Response, inverse_root};

@@ -24,10 +24,11 @@
 //! | `exponent` | exponents of variables far from 1 in their unit |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
+//! | `gates` | what a law has to pass, and what casts a doubt on it |
 //! | `alone` | which laws a law has to surpass before it stands alone |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `course` | its force along each variable, and what the recordings ask for there |
-//! | `answer` | what a search ends with |
+//! | `answer`, `reason` | what a search ends with, and why not with one law |
 
 mod ahead;
 mod alone;
@@ -42,11 +43,13 @@ mod explore;
 mod exponent;
 mod forms;
 mod found;
+mod gates;
 mod information;
 mod judge;
 mod linear;
 mod outliers;
 mod price;
+mod reason;
 mod refit;
 mod response;
 mod rivals;
@@ -60,11 +63,10 @@ mod term;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{
-    Answer, Followed, FoundTerm, Gates, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member, Number,
-    Reason, Refused, Rounded, Verdict,
-};
+pub use answer::{Answer, Followed, FoundTerm, Member, Number, Refused, Rounded, Verdict};
 pub use course::{Bin, Course, Sample};
+pub use gates::{Gates, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS};
+pub use reason::Reason;
 pub use shape::{Range, Role, Shape};
 pub use space::{Carried, Direction, Host, Nature, Space, Variable, Visit, Visiting};
 pub use term::{Factor, Term};

@@ -1,8 +1,8 @@
 //! A second term where the first leaves a force: forms on what it leaves, and pairs of single forms.
 
-use super::answer::MOST_FORCE_NATS;
 use super::around::{Around, DIFFERENCE};
 use super::evidence::{Shared, residual_force};
+use super::gates::MOST_FORCE_NATS;
 use super::information::scaled;
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
