@@ -1,7 +1,10 @@
 //! What a search for a law changes of the answer of `tunenet diagnose`.
 
 use tunenet_core::diagnose::{self, Change, Explained, Gap, Tuned};
-use tunenet_core::law::{self, Followed, Member, Reason};
+use tunenet_core::law::{
+    self, Failure, Followed, LEAST_PROBABILITY, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member,
+    Reason, Refused,
+};
 use tunenet_core::simulator::Parameter;
 
 /// A search for a law, or why there was none.
@@ -149,6 +152,31 @@ pub fn why_not(answer: &law::Answer) -> Option<String> {
     } else {
         why(reason).to_owned()
     })
+}
+
+/// Why a law was refused: the reason, and what each test measured that it fails.
+pub fn why_refused(refused: &Refused) -> String {
+    let failures: Vec<String> = refused.gates.failures().into_iter().map(failure).collect();
+    format!("{}: {}", why(refused.gate), failures.join("; "))
+}
+
+fn failure(of: Failure) -> String {
+    match of {
+        Failure::Heterogeneity { p } => format!("recordings agree with p {p:.1e}, at least {LEAST_PROBABILITY}"),
+        Failure::ResidualForce { nats } => format!("residual force {nats:.1} nats, at most {MOST_FORCE_NATS}"),
+        Failure::Worse { ratio, without } => {
+            format!("held-out error {ratio:.3} times the noise, at most {without:.3}, which is that without the law")
+        }
+        Failure::HeldOutForce { nats } => {
+            format!("residual force on held-out recordings {nats:.1} nats, at most {MOST_HELD_OUT_FORCE_NATS}")
+        }
+        Failure::LeavesMore { left, p } => format!(
+            "held-out error {left:.3} times the noise with p {p:.1e}, at most {MOST_HELD_OUT} or p at least {LEAST_PROBABILITY}"
+        ),
+        Failure::Differ { p } => {
+            format!("held-out recordings ask for the same constants with p {p:.1e}, at least {LEAST_PROBABILITY}")
+        }
+    }
 }
 
 /// A law that equals an effect of the catalogue, in words: `quadratic drag, exponent 1.96 ± 0.05`.

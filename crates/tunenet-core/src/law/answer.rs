@@ -115,6 +115,8 @@ pub struct Refused {
     pub bic_gain: f64,
     /// The test that it failed.
     pub gate: Reason,
+    /// What its tests measured.
+    pub gates: Gates,
 }
 
 /// How a recording was followed without a law and with the best one, the parameters fitted in both.

@@ -8,9 +8,10 @@ use crate::statistics::upper_chi_squared;
 /// Residual force, in nats: odds of twenty to one.
 pub const MOST_FORCE_NATS: f64 = 3.0;
 /// A law whose recordings differ so much, or whose held-out recordings leave so much, is refused where that has a smaller probability by
-/// chance, and does not stand alone below the second one.
-pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-const CHANCE: f64 = 0.01;
+/// chance.
+pub const LEAST_PROBABILITY: f64 = 1e-3;
+/// The same of a law that stands alone.
+pub const CHANCE: f64 = 0.01;
 /// The same of a parameter beyond its bound, in standard deviations (one side).
 const BEYOND: f64 = 2.326;
 /// Held-out recordings that leave no more than so many times the noise, what the uncertainty of the law's constants explains aside, pass in
@@ -49,31 +50,88 @@ pub struct Gates {
     pub beyond_bound: f64,
 }
 
+/// A test that a law fails, with what it measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Failure {
+    /// Recordings differ.
+    Heterogeneity {
+        /// The probability by chance.
+        p: f64,
+    },
+    /// A force is left.
+    ResidualForce {
+        /// Its evidence.
+        nats: f64,
+    },
+    /// Held-out recordings are predicted worse than without the law.
+    Worse {
+        /// The error over the noise.
+        ratio: f64,
+        /// The same without the law.
+        without: f64,
+    },
+    /// A force is left on held-out recordings.
+    HeldOutForce {
+        /// Its evidence.
+        nats: f64,
+    },
+    /// Held-out recordings leave more than fitted ones.
+    LeavesMore {
+        /// The error over the noise, what uncertain constants explain aside.
+        left: f64,
+        /// The probability by chance.
+        p: f64,
+    },
+    /// Held-out recordings ask for other constants.
+    Differ {
+        /// The probability by chance.
+        p: f64,
+    },
+}
+
+impl Failure {
+    /// The reason that it is.
+    #[must_use]
+    pub const fn reason(self) -> Reason {
+        match self {
+            Self::Heterogeneity { .. } => Reason::Heterogeneity,
+            Self::ResidualForce { .. } => Reason::ResidualForce,
+            Self::Worse { .. } | Self::HeldOutForce { .. } | Self::LeavesMore { .. } | Self::Differ { .. } => {
+                Reason::HeldOut
+            }
+        }
+    }
+}
+
 impl Gates {
-    /// The first test that fails.
+    /// The tests that fail. What differs between recordings says more than what is left, and comes first.
+    #[must_use]
+    pub fn failures(&self) -> Vec<Failure> {
+        let unlikely = |p: &f64| *p < LEAST_PROBABILITY;
+        let heterogeneity = self.heterogeneity_p.filter(unlikely).map(|p| Failure::Heterogeneity { p });
+        let nats = self.residual_force_nats;
+        let force = (nats > MOST_FORCE_NATS).then_some(Failure::ResidualForce { nats });
+        let held_out = self.held_out_ratio.zip(self.held_out_base);
+        let worse = held_out.filter(|(ratio, without)| ratio > without);
+        let worse = worse.map(|(ratio, without)| Failure::Worse { ratio, without });
+        let ahead = self.held_out_force_nats.filter(|nats| *nats > MOST_HELD_OUT_FORCE_NATS);
+        let ahead = ahead.map(|nats| Failure::HeldOutForce { nats });
+        let more = self.leaves_more(LEAST_PROBABILITY).map(|(left, p)| Failure::LeavesMore { left, p });
+        let differ = self.held_out_differ_p.filter(unlikely).map(|p| Failure::Differ { p });
+        [heterogeneity, force, worse, ahead, more, differ].into_iter().flatten().collect()
+    }
+
+    /// Why it fails, if it does.
     #[must_use]
     pub fn failed(&self) -> Option<Reason> {
-        let unlikely = |p: Option<f64>| p.is_some_and(|p| p < LEAST_PROBABILITY);
-        let worse = self.held_out_ratio.is_some_and(|ratio| self.held_out_base.is_some_and(|base| ratio > base));
-        let beyond = self.leaves_more(LEAST_PROBABILITY);
-        let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_HELD_OUT_FORCE_NATS);
-        // What fails on held-out recordings, and what differs between recordings, says more than what is left.
-        if unlikely(self.heterogeneity_p) {
-            Some(Reason::Heterogeneity)
-        } else if self.residual_force_nats > MOST_FORCE_NATS {
-            Some(Reason::ResidualForce)
-        } else if worse || forced || beyond || unlikely(self.held_out_differ_p) {
-            Some(Reason::HeldOut)
-        } else {
-            None
-        }
+        self.failures().first().map(|failure| failure.reason())
     }
 
     /// What speaks against a law that stands alone: what comes by chance in less than one case of a hundred.
     #[must_use]
     pub fn doubt(&self) -> Option<Reason> {
         let differ = [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE);
-        let more = self.leaves_more(CHANCE).then_some(Reason::LeavesMore);
+        let more = self.leaves_more(CHANCE).map(|_| Reason::LeavesMore);
         let bound = (self.beyond_bound > BEYOND).then_some(Reason::ParameterBound);
         let together = (self.together_p() < CHANCE).then_some(Reason::Together);
         if differ { Some(Reason::Differ) } else { more.or(bound).or(together) }
@@ -91,9 +149,10 @@ impl Gates {
         }
     }
 
-    /// Whether held-out recordings leave more than the fitted ones, and so much more that it has a smaller probability by chance.
-    fn leaves_more(&self, probability: f64) -> bool {
-        self.held_out_left.is_some_and(|left| left > MOST_HELD_OUT) && self.held_out_p.is_some_and(|p| p < probability)
+    /// What held-out recordings leave more than the fitted ones, over the noise, where that has a smaller probability by chance; and the
+    /// probability.
+    fn leaves_more(&self, probability: f64) -> Option<(f64, f64)> {
+        self.held_out_left.zip(self.held_out_p).filter(|(left, p)| *left > MOST_HELD_OUT && *p < probability)
     }
 }
 
@@ -145,6 +204,27 @@ mod tests {
         assert_eq!([0.03, 0.1].map(|p| of(p).doubt()), [Some(Reason::Together), None]);
         let close = Gates { held_out_left: Some(1.04), held_out_p: Some(1e-9), ..of(0.1) };
         assert_eq!(close.doubt(), None);
+    }
+
+    #[test]
+    fn every_test_that_fails_is_listed_with_what_it_measured() {
+        let all = Gates {
+            heterogeneity_p: Some(1e-4),
+            held_out_base: Some(0.9),
+            held_out_p: Some(1e-5),
+            held_out_differ_p: Some(1e-6),
+            ..gates(3.5, 7.5)
+        };
+        let wanted = [
+            Failure::Heterogeneity { p: 1e-4 },
+            Failure::ResidualForce { nats: 3.5 },
+            Failure::Worse { ratio: 1.0, without: 0.9 },
+            Failure::HeldOutForce { nats: 7.5 },
+            Failure::LeavesMore { left: 1.06, p: 1e-5 },
+            Failure::Differ { p: 1e-6 },
+        ];
+        assert_eq!(all.failures(), wanted);
+        assert_eq!(gates(2.9, 6.8).failures(), []);
     }
 
     /// Odds of 20 to 1 on fitted recordings, of 1,000 to 1 on held-out ones as of their other tests.

@@ -65,7 +65,7 @@ mod tests;
 
 pub use answer::{Answer, Followed, FoundTerm, Member, Number, Refused, Rounded, Verdict};
 pub use course::{Bin, Course, Sample};
-pub use gates::{Gates, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS};
+pub use gates::{CHANCE, Failure, Gates, LEAST_PROBABILITY, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS};
 pub use reason::Reason;
 pub use shape::{Range, Role, Shape};
 pub use space::{Carried, Direction, Host, Nature, Space, Variable, Visit, Visiting};
@@ -238,7 +238,7 @@ fn conclude(
                 Some(gate) => {
                     answer.rival_refused |= gate == Reason::HeldOut && is_known(&law);
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
-                    answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate });
+                    answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate, gates });
                     failed.push(law.terms);
                 }
             }

@@ -1,7 +1,7 @@
 //! A search for a law as JSON, for programs; docs/law.md lists the keys.
 
 use serde_json::{Map, Value as Json, json};
-use tunenet_core::law::{Bin, Course, FoundTerm, Member, Number, Sample};
+use tunenet_core::law::{Bin, Course, FoundTerm, Gates, Member, Number, Refused, Sample};
 
 use crate::answers::law::{Law, alias, why_not};
 
@@ -15,17 +15,14 @@ pub fn object(law: &Law) -> Json {
         }
     };
     let answer = &found.answer;
-    let refused = answer
-        .refused
-        .iter()
-        .map(|r| json!({ "text": r.text, "bic_gain": r.bic_gain, "gate": r.gate }))
-        .collect::<Vec<_>>();
+    let refused =
+        |one: &Refused| with_tests(json!({ "text": one.text, "bic_gain": one.bic_gain, "gate": one.gate }), &one.gates);
     json!({
         "verdict": answer.verdict,
         "reason": answer.reason,
         "why": why_not(answer),
         "members": answer.members.iter().map(member).collect::<Vec<_>>(),
-        "refused": refused,
+        "refused": answer.refused.iter().map(refused).collect::<Vec<_>>(),
         "base_residual_force_nats": answer.base_force_nats,
         "catalogue_bic_gain": answer.rival_bic_gain,
         "held_out_recordings": answer.held_out,
@@ -40,8 +37,7 @@ fn member(member: &Member) -> Json {
     let named = member.alias.map(|effect| json!({ "effect": effect, "sentence": alias(member) }));
     let valid: Map<String, Json> =
         member.valid.iter().map(|(name, (low, high))| (name.clone(), json!([low, high]))).collect();
-    let gates = &member.gates;
-    json!({
+    let object = json!({
         "text": member.text(),
         "named": named,
         "terms": member.terms.iter().map(term).collect::<Vec<_>>(),
@@ -50,6 +46,17 @@ fn member(member: &Member) -> Json {
         "behind_best": member.behind_best,
         "bits": member.bits,
         "parameters": member.terms.iter().map(|t| t.numbers.len()).sum::<usize>(),
+        "valid": valid,
+        "courses": member.courses.iter().map(course).collect::<Vec<_>>(),
+        "depends_on_time": member.depends_on_time,
+        "bounded": member.bounded,
+    });
+    with_tests(object, &member.gates)
+}
+
+/// An object with what the tests of a law measured.
+fn with_tests(mut object: Json, gates: &Gates) -> Json {
+    let tests = json!({
         "residual_force_nats": gates.residual_force_nats,
         "heterogeneity_p": gates.heterogeneity_p,
         "held_out_ratio": gates.held_out_ratio,
@@ -60,11 +67,11 @@ fn member(member: &Member) -> Json {
         "held_out_differ_p": gates.held_out_differ_p,
         "held_out_nats": gates.held_out_nats,
         "beyond_bound": gates.beyond_bound,
-        "valid": valid,
-        "courses": member.courses.iter().map(course).collect::<Vec<_>>(),
-        "depends_on_time": member.depends_on_time,
-        "bounded": member.bounded,
-    })
+    });
+    if let (Json::Object(all), Json::Object(tests)) = (&mut object, tests) {
+        all.extend(tests);
+    }
+    object
 }
 
 fn course(course: &Course) -> Json {

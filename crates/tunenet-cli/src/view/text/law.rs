@@ -5,7 +5,7 @@ use tunenet_core::law::{MOST_FORCE_NATS, Member, Reason, Verdict};
 use super::fitted::{gap_line, parameter};
 use super::rounded;
 use crate::answers::diagnose::Answer;
-use crate::answers::law::{Law, alias, cautions, why, why_not};
+use crate::answers::law::{Law, alias, cautions, why, why_not, why_refused};
 use crate::view::answer::Printout;
 use crate::view::sentence::Headline;
 
@@ -62,7 +62,7 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         }
     }
     for refused in &found.answer.refused {
-        shown.line(&format!("  law refused: {} ({})", refused.text, why(refused.gate)));
+        shown.line(&format!("  law refused: {} ({})", refused.text, why_refused(refused)));
     }
     if !decides {
         let said = match found.answer.verdict {

@@ -1,11 +1,11 @@
 //! The law that was found: its form, its numbers, its tests, its course along its variable, and what was refused.
 
 use maud::{Markup, html};
-use tunenet_core::law::{MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member};
+use tunenet_core::law::{CHANCE, LEAST_PROBABILITY, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member};
 
 use super::course::courses;
 use crate::answers::diagnose::Answer;
-use crate::answers::law::{Law, alias, cautions, why, why_not};
+use crate::answers::law::{Law, alias, cautions, why_not, why_refused};
 use crate::view::html::verdict::{capital, signed};
 use crate::view::text::rounded;
 
@@ -36,7 +36,7 @@ fn content(answer: &Answer, law: &Law) -> Markup {
         }
         @if !found.answer.refused.is_empty() {
             h3 { "Refused" }
-            ul.plain { @for refused in &found.answer.refused { li { code { (refused.text) } ": " (why(refused.gate)) } } }
+            ul.plain { @for refused in &found.answer.refused { li { code { (refused.text) } ": " (why_refused(refused)) } } }
         }
         p.how { (found.answer.rollouts) " rollouts of the search." }
     }
@@ -74,17 +74,17 @@ fn tests(member: &Member) -> Markup {
             tbody {
                 tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { "at most " (MOST_FORCE_NATS) } }
                 @if let Some(p) = gates.heterogeneity_p {
-                    tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { "at least 0.001, alone 0.01" } }
+                    tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { (format!("at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
                 @if let Some(ratio) = gates.held_out_ratio {
                     @let base = gates.held_out_base.unwrap_or(f64::INFINITY);
                     tr { th scope="row" { "held out, over noise" } td.number { (format!("{ratio:.3}")) } td { (format!("at most {base:.3}, without the law")) } }
                 }
                 @if let (Some(left), Some(p)) = (gates.held_out_left, gates.held_out_p) {
-                    tr { th scope="row" { "held out, less what uncertain constants explain" } td.number { (format!("{left:.3}, p {p:.3}")) } td { "at most " (MOST_HELD_OUT) ", or p at least 0.001, alone 0.01" } }
+                    tr { th scope="row" { "held out, less what uncertain constants explain" } td.number { (format!("{left:.3}, p {p:.3}")) } td { "at most " (MOST_HELD_OUT) (format!(", or p at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
                 @if let Some(p) = gates.held_out_differ_p {
-                    tr { th scope="row" { "held out, same constants" } td.number { (format!("p {p:.3}")) } td { "at least 0.001, alone 0.01" } }
+                    tr { th scope="row" { "held out, same constants" } td.number { (format!("p {p:.3}")) } td { (format!("at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
                 @if let Some(nats) = gates.held_out_force_nats {
                     tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { "at most " (MOST_HELD_OUT_FORCE_NATS) } }
