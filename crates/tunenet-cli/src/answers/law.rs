@@ -131,6 +131,9 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Together => {
             "its tests of recordings that differ and of held-out ones come out worse together than by chance (p below 0.01)"
         }
+        Reason::Decay => {
+            "a force that decays from a value of its own in each recording explains the fitted recordings as well"
+        }
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::ParameterBound => {
             "a parameter of the simulation lies at a bound, and the recordings may favour values beyond it"

@@ -16,23 +16,15 @@ use super::shape::{Range, Role};
 use super::term::{Factor, Term};
 use crate::statistics::NORMAL_95;
 
-/// Akaike's price of a number, in twice the logarithmic likelihood.
-const NUMBER: f64 = 2.0;
 /// Models within so much of the best have substantial support.
 const SUBSTANTIAL: f64 = 2.0;
 
 /// A simpler law than the best one is tested within so many margins of it.
 const WITHIN: f64 = 2.0;
 
-/// How many numbers the data chose: constants, and exponents that were rounded.
-fn chosen(law: &Law) -> usize {
-    let rounded = law.terms.iter().flat_map(|term| &term.factors).filter(|factor| factor.rounded.is_some()).count();
-    price::constants(&law.terms) + rounded
-}
-
 /// The criterion of Akaike, in twice the logarithmic likelihood, the greater the better.
 fn akaike(session: &Session, law: &Law) -> f64 {
-    session.gain(law) - NUMBER * chosen(law) as f64
+    session.gain(law) - price::AKAIKE * price::chosen(&law.terms) as f64
 }
 
 /// How many factors a law of one term has: none is the factor x⁰.
@@ -68,7 +60,7 @@ impl Support {
             likelihood: session.gain(law) + more,
             factors: factors(law),
             constants: price::constants(&law.terms),
-            chosen: chosen(law),
+            chosen: price::chosen(&law.terms),
             visited,
         }
     }
@@ -244,7 +236,7 @@ mod tests {
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
-        let likelihood = akaike + NUMBER * chosen as f64;
+        let likelihood = akaike + price::AKAIKE * chosen as f64;
         Support { schwarz, akaike, likelihood, factors: Some(factors), constants: chosen, chosen, visited: true }
     }
 

@@ -113,7 +113,8 @@ impl<'a> Search<'a> {
         self.response.columns(term.direction, &values)
     }
 
-    fn product(&self, factors: &[Factor], inner: &[f64]) -> Vec<f64> {
+    /// The values of a product at all instants.
+    pub(super) fn product(&self, factors: &[Factor], inner: &[f64]) -> Vec<f64> {
         let (mut at, mut product) = (0, Vec::new());
         for factor in factors {
             let end = at + factor.constants();

@@ -26,6 +26,7 @@
 //! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `gates` | what a law has to pass, and what casts a doubt on it |
 //! | `alone` | which laws a law has to surpass before it stands alone |
+//! | `decay` | a force with a hidden state that it has to surpass as well |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `course` | its force along each variable, and what the recordings ask for there |
 //! | `answer`, `reason` | what a search ends with, and why not with one law |
@@ -38,6 +39,7 @@ mod begin;
 mod between;
 mod colour;
 mod course;
+mod decay;
 mod evidence;
 mod explore;
 mod exponent;
@@ -88,7 +90,6 @@ use explore::explore;
 use forms::{by_need, distinct, is_same_open, ranked};
 use judge::judge;
 use refit::{Law, Rival, Session};
-use response::Response;
 
 /// How far behind a law may lie whose fit is not finished.
 const UNFINISHED: f64 = 1.0;
@@ -177,7 +178,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     }
     let mut ahead = Ahead::new(held_out, &held_noise, colour);
     let mut answer = Answer { rival_bic_gain, ..none(Verdict::Unknown, None) };
-    conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer);
+    conclude(&session, &around, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer);
     answer.rollouts = log.count() + session.before;
     Ok(answer)
 }
@@ -185,12 +186,13 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
 /// Judges what is within the margin of the best, and says what that leaves.
 fn conclude(
     session: &Session,
-    response: &Response,
+    around: &Around,
     ahead: &mut Ahead,
     (mut laws, known): (Vec<Law>, Option<&Rival>),
     (settings, most): (&Settings, usize),
     answer: &mut Answer,
 ) {
+    let response = &around.response;
     laws.extend(exponent::profile(session, response, &laws, settings.margin));
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let found = alone::near(session, response, laws, best, settings.margin + UNFINISHED).into_iter().map(|law| {
@@ -258,6 +260,8 @@ fn conclude(
         };
         answer.refused.iter().zip(&failed).find(ahead).map(|(refused, _)| refused.gate)
     });
+    let lone = if let [(law, _)] = members.as_slice() { Some(law.clone()) } else { None };
+    let decays = |law: &Law| decay::surpasses(session, around, law).is_some_and(|by| by >= 0.0);
     answer.members = members.into_iter().map(|(_, member)| member).collect();
     let explains = |gain: f64| gain >= best - settings.margin && (same || !judged_known);
     let rival = settings.apart || known.is_some_and(|rival| explains(rival.most));
@@ -280,6 +284,7 @@ fn conclude(
         [_] if ahead.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
         [one] if one.gates.held_out_nats.is_none() => (Verdict::OneOf, Some(Reason::NotLinear)),
         [_] if session.recordings.len() + answer.held_out < LEAST_RECORDINGS => (Verdict::OneOf, Some(Reason::Few)),
+        [_] if lone.as_ref().is_some_and(decays) => (Verdict::OneOf, Some(Reason::Decay)),
         [_] => (Verdict::Law, None),
         _ => (Verdict::OneOf, Some(Reason::Several)),
     };

@@ -3,10 +3,13 @@
 use std::f64::consts::LN_2;
 
 use super::space::Space;
-use super::term::Term;
+use super::term::{Factor, Term};
 
 /// How much wider than their standard deviations intervals are: what the choice of the form adds, as measured on known laws.
 pub(super) const WIDER: f64 = 1.07;
+
+/// The price of a number by the criterion of Akaike, in twice the logarithmic likelihood.
+pub(super) const AKAIKE: f64 = 2.0;
 
 /// Bits of how many factors a term has: none, one or two.
 const FACTORS_BITS: f64 = 1.584_962_500_721_156;
@@ -22,6 +25,16 @@ pub(super) fn likelihood(count: usize, before: f64, after: f64) -> f64 {
 /// How many numbers of these terms are fitted.
 pub(super) fn constants(terms: &[Term]) -> usize {
     terms.iter().map(Term::constants).sum()
+}
+
+/// How many numbers of these terms the data chose: constants, and exponents that were rounded.
+pub(super) fn chosen(terms: &[Term]) -> usize {
+    terms.iter().map(|term| term.components + chosen_inside(&term.factors)).sum()
+}
+
+/// The same inside factors.
+pub(super) fn chosen_inside(factors: &[Factor]) -> usize {
+    factors.iter().map(|factor| factor.constants() + usize::from(factor.rounded.is_some())).sum()
 }
 
 /// Bits that say which terms these are, of so many factors that there are.
@@ -54,7 +67,6 @@ pub(super) fn score(bic: f64, bits: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::shape::Shape;
-    use super::super::term::{Factor, Term};
     use super::*;
 
     /// A whole exponent costs 3 bits, a half one 4.5, an open one ln n; the coefficient ln n in any case.

@@ -39,6 +39,8 @@ pub enum Reason {
     LeavesMore,
     /// Its tests come out so badly together that it comes in less than one case of a hundred by chance, though each alone does not.
     Together,
+    /// A force that decays from a value of its own in each recording explains the fitted recordings as well.
+    Decay,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.

@@ -273,6 +273,25 @@ impl Response {
         (0..components).map(one).collect()
     }
 
+    /// The same with a column for each recording and component.
+    pub fn own_columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
+        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(|instants| mean(instants.iter().copied())).collect();
+        let (mut at, mut row, mut columns) = (0, 0, Vec::new());
+        for part in &self.parts {
+            let (pieces, rows) = (part.visits.len(), part.residual.len());
+            let own = DVector::from_column_slice(&values[at..at + pieces]);
+            for component in &part.reduced[direction] {
+                let along = component * &own;
+                let mut coordinates = DVector::zeros(self.dimension());
+                coordinates.rows_mut(row, rows).copy_from(&along);
+                columns.push(Column { coordinates, explained: &part.explained * &along });
+            }
+            at += pieces;
+            row += rows;
+        }
+        columns
+    }
+
     /// Residuals of another fit, or their derivatives by a parameter, in the coordinates.
     pub fn coordinates(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
         let each = self.parts.iter().zip(residuals).map(|(part, of)| {

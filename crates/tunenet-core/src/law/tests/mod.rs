@@ -172,6 +172,32 @@ fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
 }
 
+/// By how much a decaying force surpasses one term fitted to these paths.
+fn decay_surpasses(path: &dyn Fn(usize, f64, f64) -> f64, term: Term, numbers: Vec<f64>) -> f64 {
+    let host = Line::new();
+    let (fitted, log) = (prepared(&host, &recordings(&SPEEDS, 3, path)), RolloutLog::default());
+    let noise = vec![vec![NOISE_M]; fitted.len()];
+    let session = Session::new(&host, &fitted, (&noise, Colour::WHITE, None), &log, 10_000).unwrap();
+    let base = Around::base(&session, &log).unwrap();
+    let law = session.on(&base.response, &[term], &[numbers], session.base.point.clone()).unwrap();
+    let law = session.finish(&base.response, &law).unwrap();
+    super::decay::surpasses(&session, &base, &law).unwrap()
+}
+
+/// A push A exp(-t/c) adds A c² (exp(-t/c) − 1 + t/c) to a fall; a resistance that is found with its exponent needs none.
+#[test]
+fn a_force_that_decays_in_each_recording_surpasses_a_law_of_the_height_and_no_true_law() {
+    let c = 0.5_f64;
+    let push = [2.0, 3.2, 4.5];
+    let decays = |i: usize, v0: f64, t: f64| v0 * t - 4.9 * t * t + push[i] * c * c * ((-t / c).exp() - 1.0 + t / c);
+    let bump = Term::new(0, 1, vec![Factor::new(Shape::Bump, 0)]);
+    let by = decay_surpasses(&decays, bump, vec![3.0, 0.0, 2.0]);
+    assert!(by > 0.0, "{by}");
+    let power = Term::new(0, 1, vec![Factor::new(Shape::OddPower, 1)]);
+    let by = decay_surpasses(&|_, v0, t| quadratic(9.8, 12.0, v0, t), power, vec![-0.07, 2.0]);
+    assert!(by < 0.0, "{by}");
+}
+
 #[test]
 fn without_held_out_recordings_no_law_stands_alone() {
     let host = Line::new();
