@@ -128,6 +128,9 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Few => "fewer than four recordings do not show whether something unmeasured differs between them",
         Reason::Differ => "recordings ask for constants that differ more than by chance (p below 0.01)",
         Reason::LeavesMore => "held-out recordings leave more than fitted ones, and more than by chance (p below 0.01)",
+        Reason::LeavesForce => {
+            "a force may be left beyond it: the odds exceed 2 to 1 on fitted recordings, or 20 to 1 on held-out ones"
+        }
         Reason::Together => {
             "its tests of recordings that differ and of held-out ones come out worse together than by chance (p below 0.01)"
         }

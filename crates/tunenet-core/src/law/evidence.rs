@@ -1,9 +1,12 @@
-//! Evidence of a residual force: a Gaussian process of the acceleration against none (Rasmussen and Williams 2006, section 5.4).
+//! Evidence of a residual force: Bayes factor of a Gaussian process of the acceleration against none (Rasmussen and Williams 2006, section
+//! 5.4), averaged over its length and its variance (Kass and Raftery 1995). The average has odds of k to one with a probability of at most
+//! 1/k by chance; the greatest value has not.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::response::{Response, inverse_root, root};
 use crate::estimate::jacobian::Columns;
+use crate::statistics::mean;
 
 /// Correlation lengths of the acceleration, as shares of a recording.
 const LENGTHS: [f64; 3] = [0.04, 0.12, 0.4];
@@ -20,8 +23,8 @@ pub(super) enum Shared<'a> {
     Known(&'a DMatrix<f64>),
 }
 
-/// The greatest logarithm of the odds, in nats, for an acceleration that varies smoothly in time, about the residuals of a fit; what its
-/// shared parameters may explain by their derivatives (`columns`) does not count.
+/// The logarithm of the odds, in nats and not below 0, for an acceleration that varies smoothly in time, about the residuals of a fit; what
+/// its shared parameters may explain by their derivatives (`columns`) does not count.
 pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], columns: &[Columns], of: Shared) -> f64 {
     let n = response.dimension();
     let residual = response.coordinates(residuals);
@@ -46,7 +49,7 @@ pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], column
         m - &known * along
     };
     let left = project(DMatrix::from_column_slice(n, 1, residual.as_slice()));
-    let mut best = 0.0_f64;
+    let mut odds = Vec::new();
     for length in LENGTHS {
         let mut process = DMatrix::zeros(n, n);
         let mut at = 0;
@@ -78,10 +81,16 @@ pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], column
         for k in 0..VARIANCES {
             let share = f64::from(k) / f64::from(VARIANCES - 1);
             let variance = 10.0_f64.powf(DECADES.0 + share * (DECADES.1 - DECADES.0)) / scale;
-            best = best.max(log_odds(diagonal.as_slice(), off_diagonal.as_slice(), along.as_slice(), variance));
+            odds.push(log_odds(diagonal.as_slice(), off_diagonal.as_slice(), along.as_slice(), variance));
         }
     }
-    best
+    log_mean_exp(&odds).max(0.0)
+}
+
+/// The logarithm of the mean of these exponentials.
+fn log_mean_exp(all: &[f64]) -> f64 {
+    let greatest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if greatest.is_finite() { greatest + mean(all.iter().map(|one| (one - greatest).exp())).ln() } else { greatest }
 }
 
 /// ½ zᵀz − ½ zᵀ A⁻¹ z − ½ ln det A with A = 1 + variance · T, where T is symmetric and tridiagonal with these numbers on its diagonal and
@@ -135,6 +144,14 @@ mod tests {
             let found = log_odds(diagonal.as_slice(), off_diagonal.as_slice(), turned.as_slice(), variance);
             assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "{found} {wanted}");
         }
+    }
+
+    #[test]
+    fn odds_are_averaged_and_not_their_logarithms() {
+        let odds = [2.0_f64, 8.0, 0.5];
+        assert!((log_mean_exp(&odds.map(f64::ln)) - 3.5_f64.ln()).abs() < 1e-12);
+        assert_eq!(log_mean_exp(&[1_000.0, 1_000.0]), 1_000.0);
+        assert_eq!(log_mean_exp(&[f64::INFINITY, 0.0]), f64::INFINITY);
     }
 
     /// Of one direction with variance s², (1 + s² u uᵀ)^(−1/2) = 1 − (1 − 1/√(1 + s²)) u uᵀ.

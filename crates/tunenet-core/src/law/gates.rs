@@ -5,8 +5,10 @@ use serde::Serialize;
 use super::reason::Reason;
 use crate::statistics::upper_chi_squared;
 
-/// Residual force, in nats: odds of twenty to one.
+/// Residual force of a law, in nats: by Markov's inequality odds of twenty to one have at most a probability of one in twenty by chance.
 pub const MOST_FORCE_NATS: f64 = 3.0;
+/// The same of a law that stands alone, and of recordings in which nothing is missing: odds of two to one.
+pub const LIKELY_FORCE_NATS: f64 = 0.7;
 /// A law whose recordings differ so much, or whose held-out recordings leave so much, is refused where that has a smaller probability by
 /// chance.
 pub const LEAST_PROBABILITY: f64 = 1e-3;
@@ -17,7 +19,7 @@ const BEYOND: f64 = 2.326;
 /// Held-out recordings that leave no more than so many times the noise, what the uncertainty of the law's constants explains aside, pass in
 /// any case.
 pub const MOST_HELD_OUT: f64 = 1.05;
-/// Residual force on held-out recordings, in nats: by Markov's inequality odds of a thousand to one have at most that probability.
+/// Residual force on held-out recordings, in nats: odds of a thousand to one. Of a law that stands alone [`MOST_FORCE_NATS`].
 pub const MOST_HELD_OUT_FORCE_NATS: f64 = 6.9;
 
 /// What the tests of a law measured.
@@ -127,14 +129,16 @@ impl Gates {
         self.failures().first().map(|failure| failure.reason())
     }
 
-    /// What speaks against a law that stands alone: what comes by chance in less than one case of a hundred.
+    /// What speaks against a law that stands alone: what comes by chance in less than one case of a hundred, and a force that is likely left.
     #[must_use]
     pub fn doubt(&self) -> Option<Reason> {
         let differ = [self.heterogeneity_p, self.held_out_differ_p].into_iter().flatten().any(|p| p < CHANCE);
         let more = self.leaves_more(CHANCE).map(|_| Reason::LeavesMore);
         let bound = (self.beyond_bound > BEYOND).then_some(Reason::ParameterBound);
+        let ahead = self.held_out_force_nats.is_some_and(|nats| nats > MOST_FORCE_NATS);
+        let force = (self.residual_force_nats > LIKELY_FORCE_NATS || ahead).then_some(Reason::LeavesForce);
         let together = (self.together_p() < CHANCE).then_some(Reason::Together);
-        if differ { Some(Reason::Differ) } else { more.or(bound).or(together) }
+        if differ { Some(Reason::Differ) } else { more.or(bound).or(force).or(together) }
     }
 
     /// The probability that the tests of how recordings differ and of what held-out ones leave come out so badly together by chance (Fisher
@@ -225,6 +229,14 @@ mod tests {
         ];
         assert_eq!(all.failures(), wanted);
         assert_eq!(gates(2.9, 6.8).failures(), []);
+    }
+
+    #[test]
+    fn a_law_that_likely_leaves_a_force_stands_but_not_alone() {
+        let of = |force: f64, ahead: f64| Gates { held_out_p: Some(0.5), ..gates(force, ahead) };
+        assert_eq!([of(0.6, 2.9), of(0.8, 0.0), of(0.0, 3.1)].map(|g| g.failed()), [None; 3]);
+        let doubt = Some(Reason::LeavesForce);
+        assert_eq!([of(0.6, 2.9), of(0.8, 0.0), of(0.0, 3.1)].map(|g| g.doubt()), [None, doubt, doubt]);
     }
 
     /// Odds of 20 to 1 on fitted recordings, of 1,000 to 1 on held-out ones as of their other tests.

@@ -67,7 +67,10 @@ mod tests;
 
 pub use answer::{Answer, Followed, FoundTerm, Member, Number, Refused, Rounded, Verdict};
 pub use course::{Bin, Course, Sample};
-pub use gates::{CHANCE, Failure, Gates, LEAST_PROBABILITY, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS};
+pub use gates::{
+    CHANCE, Failure, Gates, LEAST_PROBABILITY, LIKELY_FORCE_NATS, MOST_FORCE_NATS, MOST_HELD_OUT,
+    MOST_HELD_OUT_FORCE_NATS,
+};
 pub use reason::Reason;
 pub use shape::{Range, Role, Shape};
 pub use space::{Carried, Direction, Host, Nature, Space, Variable, Visit, Visiting};
@@ -165,7 +168,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         followed: Vec::new(),
         rollouts: log.count() + before,
     };
-    if base_force_nats <= MOST_FORCE_NATS {
+    if base_force_nats <= LIKELY_FORCE_NATS {
         return Ok(none(Verdict::None, None));
     }
     let (laws, around) = explore(&mut session, base, settings.margin);

@@ -37,6 +37,8 @@ pub enum Reason {
     Differ,
     /// Held-out recordings leave more than fitted ones, so much more that it comes in less than one case of a hundred by chance.
     LeavesMore,
+    /// A force is likely left on fitted recordings, or on held-out ones.
+    LeavesForce,
     /// Its tests come out so badly together that it comes in less than one case of a hundred by chance, though each alone does not.
     Together,
     /// A force that decays from a value of its own in each recording explains the fitted recordings as well.

@@ -2,7 +2,7 @@
 
 use super::around::{Around, DIFFERENCE};
 use super::evidence::{Shared, residual_force};
-use super::gates::MOST_FORCE_NATS;
+use super::gates::LIKELY_FORCE_NATS;
 use super::information::scaled;
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
@@ -26,7 +26,7 @@ pub(super) fn second(session: &Session, around: &Around, singles: &[Candidate], 
         linear.columns(),
         Shared::Free,
     );
-    if force <= MOST_FORCE_NATS || first.terms.len() > 1 {
+    if force <= LIKELY_FORCE_NATS || first.terms.len() > 1 {
         return Vec::new();
     }
     let mut search = Search::new(session.host.space(), response);

@@ -1,7 +1,9 @@
 //! The law that was found: its form, its numbers, its tests, its course along its variable, and what was refused.
 
 use maud::{Markup, html};
-use tunenet_core::law::{CHANCE, LEAST_PROBABILITY, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member};
+use tunenet_core::law::{
+    CHANCE, LEAST_PROBABILITY, LIKELY_FORCE_NATS, MOST_FORCE_NATS, MOST_HELD_OUT, MOST_HELD_OUT_FORCE_NATS, Member,
+};
 
 use super::course::courses;
 use crate::answers::diagnose::Answer;
@@ -72,7 +74,7 @@ fn tests(member: &Member) -> Markup {
         table {
             thead { tr { th { "test" } th { "value" } th { "passes" } } }
             tbody {
-                tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { "at most " (MOST_FORCE_NATS) } }
+                tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { (format!("at most {MOST_FORCE_NATS}, alone {LIKELY_FORCE_NATS}")) } }
                 @if let Some(p) = gates.heterogeneity_p {
                     tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { (format!("at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
@@ -87,7 +89,7 @@ fn tests(member: &Member) -> Markup {
                     tr { th scope="row" { "held out, same constants" } td.number { (format!("p {p:.3}")) } td { (format!("at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
                 @if let Some(nats) = gates.held_out_force_nats {
-                    tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { "at most " (MOST_HELD_OUT_FORCE_NATS) } }
+                    tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { (format!("at most {MOST_HELD_OUT_FORCE_NATS}, alone {MOST_FORCE_NATS}")) } }
                 }
                 tr { th scope="row" { "gain of BIC" } td.number { (format!("{:.0}", member.bic_gain)) } td { "more than 6" } }
             }
