@@ -13,7 +13,7 @@ const FAR: f64 = 2.0;
 const STEP: f64 = 0.5;
 const MOST: usize = 12;
 const ENOUGH: f64 = 0.05;
-/// How many multiples of one half on each side of an exponent are compared with it.
+/// How many multiples of one half on each side of an exponent are compared with it, whatever they explain.
 const NEIGHBOURS: i32 = 3;
 
 /// The law with the exponent to which the information criterion rises.
@@ -34,8 +34,8 @@ pub(super) fn profiled(session: &Session, response: &Response, law: Law) -> Law 
     best
 }
 
-/// Of laws near the best with a power of a variable that is far from 1: the law with that exponent free, and with every multiple of one half
-/// near the best one. A linear search sees little of other exponents there.
+/// Of laws near the best with a power of a variable that is far from 1: the law with that exponent free, with every multiple of one half
+/// near the best one, and with whole numbers further off that explain as much. A linear search sees little of other exponents there.
 pub(super) fn profile(session: &Session, response: &Response, laws: &[Law], margin: f64) -> Vec<Law> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let mut found: Vec<Law> = Vec::new();
@@ -55,10 +55,15 @@ pub(super) fn profile(session: &Session, response: &Response, laws: &[Law], marg
         }
         let Some(free) = session.on(response, &[term], &[numbers], law.fit.point.clone()) else { continue };
         let free = profiled(session, response, free);
-        for (term, numbers) in rounded(&free.terms[0], &free.numbers()[0], &response.ranges) {
-            if !is_known(laws, &term) {
-                found.extend(session.on(response, &[term], &[numbers], free.fit.point.clone()));
-            }
+        let (term, numbers) = (&free.terms[0], &free.numbers()[0]);
+        let at = |value: f64| rounded(term, numbers, &response.ranges, value).filter(|(term, _)| !is_known(laws, term));
+        let fit = |(term, numbers): (Term, Vec<f64>)| session.on(response, &[term], &[numbers], free.fit.point.clone());
+        let Some((_, place)) = far_exponent(term, &response.ranges) else { continue };
+        found.extend(multiples(numbers[place]).filter_map(at).filter_map(fit));
+        // Whole exponents further off, as long as they explain as much.
+        for up in [false, true] {
+            let is_near = |law: &Law| law.bic >= free.bic - margin;
+            found.extend(wholes(numbers[place], up).filter_map(at).map_while(fit).take_while(is_near));
         }
         found.push(free);
     }
@@ -79,27 +84,42 @@ fn opened(law: &Law) -> Option<(Term, Vec<f64>)> {
     Some((term.opened(), numbers))
 }
 
-/// A term with its first open exponent of a variable far from 1 at every multiple of one half near its value.
-fn rounded(term: &Term, numbers: &[f64], ranges: &[Range]) -> Vec<(Term, Vec<f64>)> {
+/// Where a term has its first open exponent of a variable far from 1: the place of the factor, and of the number.
+fn far_exponent(term: &Term, ranges: &[Range]) -> Option<(usize, usize)> {
     let mut at = term.components;
     for (f, factor) in term.factors.iter().enumerate() {
         if factor.shape.is_power() && factor.rounded.is_none() && is_far(&ranges[factor.variable]) {
-            let nearest = 2.0 * numbers[at];
-            let multiples = (-NEIGHBOURS..=NEIGHBOURS).map(|k| 0.5 * (nearest.round() + f64::from(k)));
-            let (low, high) = factor.shape.bounds(0, &ranges[factor.variable]);
-            let one = |value: f64| {
-                let by = value - numbers[at];
-                let mut moved = moved(std::slice::from_ref(term), &[numbers.to_vec()], ranges, by)?.remove(0);
-                moved.remove(at);
-                let mut term = term.clone();
-                term.factors[f].rounded = Some(value);
-                Some((term, moved))
-            };
-            return multiples.filter(|value| *value != 0.0 && (low..=high).contains(value)).filter_map(one).collect();
+            return Some((f, at));
         }
         at += factor.constants();
     }
-    Vec::new()
+    None
+}
+
+/// A term with that exponent at a value; nothing at 0, beyond its bounds, and without one.
+fn rounded(term: &Term, numbers: &[f64], ranges: &[Range], value: f64) -> Option<(Term, Vec<f64>)> {
+    let (f, at) = far_exponent(term, ranges)?;
+    let (low, high) = term.factors[f].shape.bounds(0, &ranges[term.factors[f].variable]);
+    if value == 0.0 || !(low..=high).contains(&value) {
+        return None;
+    }
+    let mut moved = moved(std::slice::from_ref(term), &[numbers.to_vec()], ranges, value - numbers[at])?.remove(0);
+    moved.remove(at);
+    let mut term = term.clone();
+    term.factors[f].rounded = Some(value);
+    Some((term, moved))
+}
+
+/// Multiples of one half near an exponent.
+fn multiples(exponent: f64) -> impl Iterator<Item = f64> {
+    let nearest = (2.0 * exponent).round();
+    (-NEIGHBOURS..=NEIGHBOURS).map(move |k| 0.5 * (nearest + f64::from(k)))
+}
+
+/// Whole numbers beyond these on one side, the nearest first.
+fn wholes(exponent: f64, up: bool) -> impl Iterator<Item = f64> {
+    let last = 0.5 * ((2.0 * exponent).round() + f64::from(if up { NEIGHBOURS } else { -NEIGHBOURS }));
+    (1..=MOST).map(move |k| if up { last.floor() + k as f64 } else { last.ceil() - k as f64 })
 }
 
 /// The middle of what was visited.
@@ -158,13 +178,16 @@ mod tests {
     fn neighbours_are_multiples_of_one_half_with_the_force_in_the_middle() {
         let range = [Range { low: 400.0, high: 625.0, least: 400.0, greatest: 625.0 }];
         let power = Term::new(0, 1, vec![Factor::new(Shape::Power, 0)]);
-        let found = rounded(&power, &[1.25 * 500.0_f64.powf(-3.9), 3.9], &range);
-        let exponents: Vec<f64> = found.iter().filter_map(|(term, _)| term.factors[0].rounded).collect();
+        let exponents: Vec<f64> = multiples(3.9).collect();
         assert_eq!(exponents, [2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5]);
-        for ((_, numbers), p) in found.iter().zip(exponents) {
-            assert!(numbers.len() == 1 && (numbers[0] * 500.0_f64.powf(p) - 1.25).abs() < 1e-9, "{found:?}");
+        for p in exponents {
+            let (term, numbers) = rounded(&power, &[1.25 * 500.0_f64.powf(-3.9), 3.9], &range, p).unwrap();
+            assert_eq!((term.factors[0].rounded, numbers.len()), (Some(p), 1));
+            assert!((numbers[0] * 500.0_f64.powf(p) - 1.25).abs() < 1e-9, "{p} {numbers:?}");
         }
         let near = [Range { low: 0.5, high: 3.0, least: 0.5, greatest: 3.0 }];
-        assert!(rounded(&power, &[2.0, 1.9], &near).is_empty());
+        assert!(rounded(&power, &[2.0, 1.9], &near, 2.0).is_none());
+        assert_eq!(wholes(3.9, false).take(2).collect::<Vec<_>>(), [2.0, 1.0]);
+        assert_eq!(wholes(3.9, true).take(2).collect::<Vec<_>>(), [6.0, 7.0]);
     }
 }
