@@ -179,6 +179,13 @@ impl Term {
     /// The product of the factors as a formula; empty where there are none.
     #[must_use]
     pub fn formula(&self, space: &Space) -> String {
+        if let [one, other] = self.factors.as_slice()
+            && (one.shape, one.variable) == (Shape::OddPower, other.variable)
+            && other.shape == Shape::OddPower
+            && let (Some(a), Some(b)) = (one.rounded, other.rounded)
+        {
+            return magnitude(&space.variables[one.variable].name, &(a + b).to_string());
+        }
         let keys = self.keys(space);
         let mut at = self.components;
         let mut parts = Vec::new();
@@ -197,7 +204,13 @@ impl Term {
                 shape => parts.push(written(shape, x, first, own.get(1).copied().unwrap_or_default())),
             }
         }
-        parts.join(" * ")
+        // A saturation divides what stands before it.
+        let (below, above): (Vec<String>, Vec<String>) = parts.into_iter().partition(|part| part.starts_with(ONE_OVER));
+        if above.is_empty() {
+            return below.join(" * ");
+        }
+        let below: String = below.iter().map(|part| part.replacen(ONE_OVER, "/", 1)).collect();
+        above.join(" * ") + &below
     }
 
     /// The variables to whose power the coefficients refer, with their exponents: those whose exponent is written as a number.
@@ -260,6 +273,9 @@ impl Term {
     }
 }
 
+/// How a saturation begins.
+const ONE_OVER: &str = "1/";
+
 /// A shape as a formula of its variable, its first and its second constant.
 fn written(shape: Shape, x: &str, a: &str, b: &str) -> String {
     match shape {
@@ -277,7 +293,7 @@ fn written(shape: Shape, x: &str, a: &str, b: &str) -> String {
         Shape::Wave => format!("cos({a}*{x} + {b})"),
         Shape::Tanh => format!("tanh({x}/{a})"),
         Shape::Log => format!("ln(1 + {x}/{a})"),
-        Shape::Saturation => format!("1/(1 + {x}/{a})"),
+        Shape::Saturation => format!("{ONE_OVER}(1 + {x}/{a})"),
         Shape::Stribeck => format!("exp(-({x}/{a})^2) * sign({x})"),
         Shape::Sign => format!("sign({x})"),
         Shape::Window => String::new(),
