@@ -55,7 +55,7 @@ finding_kinds! {
         "which recordings were held out for validation",
         "none needed; you can also choose them yourself";
     note NOISE_AUTOCORRELATED = "noise.coloured",
-        "the noise is autocorrelated; residuals were prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
+        "the residual is autocorrelated and was prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
         "none needed below 0.7; more recordings above";
     note ADEQUACY_PRACTICAL = "adequacy.practical",
         "the residual exceeds the noise; the effects remove most of the misfit, and held-out recordings confirm them where there are any",

@@ -118,7 +118,9 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::NoHeldOut => "without held-out recordings no law stands alone: hold out at least one",
         Reason::ResidualForce => "it leaves more than noise: a force of another form remains",
         Reason::Heterogeneity => "recordings differ in what they need: something unmeasured changes between them",
-        Reason::Time => "what fits depends on the time and fails a test: something unmeasured changes",
+        Reason::Time => {
+            "what fits depends on the time and fails a test: something unmeasured changes, or no simulation follows recordings as long as these"
+        }
         Reason::Rollouts => "the allowance of rollouts ended the search",
         Reason::Several => "the recordings do not distinguish these laws",
         Reason::Terms => "it has two terms, and their rivals were not compared",
@@ -160,27 +162,45 @@ pub fn why_not(answer: &law::Answer) -> Option<String> {
     })
 }
 
+/// Beyond these a number says no more than the limit.
+const LEAST_SHOWN: f64 = 1e-12;
+const MOST_SHOWN: f64 = 1e4;
+
 /// Why a law was refused: the reason, and what each test measured that it fails.
 pub fn why_refused(refused: &Refused) -> String {
     let failures: Vec<String> = refused.gates.failures().into_iter().map(failure).collect();
     format!("{}: {}", why(refused.gate), failures.join("; "))
 }
 
+/// Evidence as a number.
+pub fn nats_in_words(nats: f64) -> String {
+    if nats > MOST_SHOWN { format!("above {MOST_SHOWN}") } else { format!("{nats:.1}") }
+}
+
 fn failure(of: Failure) -> String {
+    let chance = |p: f64| if p < LEAST_SHOWN { format!("below {LEAST_SHOWN:e}") } else { format!("{p:.1e}") };
     match of {
-        Failure::Heterogeneity { p } => format!("recordings agree with p {p:.1e}, at least {LEAST_PROBABILITY}"),
-        Failure::ResidualForce { nats } => format!("residual force {nats:.1} nats, at most {MOST_FORCE_NATS}"),
+        Failure::Heterogeneity { p } => {
+            format!("recordings agree with p {}, at least {LEAST_PROBABILITY}", chance(p))
+        }
+        Failure::ResidualForce { nats: n } => {
+            format!("residual force {} nats, at most {MOST_FORCE_NATS}", nats_in_words(n))
+        }
         Failure::Worse { ratio, without } => {
             format!("held-out error {ratio:.3} times the noise, at most {without:.3}, which is that without the law")
         }
-        Failure::HeldOutForce { nats } => {
-            format!("residual force on held-out recordings {nats:.1} nats, at most {MOST_HELD_OUT_FORCE_NATS}")
+        Failure::HeldOutForce { nats: n } => {
+            format!(
+                "residual force on held-out recordings {} nats, at most {MOST_HELD_OUT_FORCE_NATS}",
+                nats_in_words(n)
+            )
         }
         Failure::LeavesMore { left, p } => format!(
-            "held-out error {left:.3} times the noise with p {p:.1e}, at most {MOST_HELD_OUT} or p at least {LEAST_PROBABILITY}"
+            "held-out error {left:.3} times the noise with p {}, at most {MOST_HELD_OUT} or p at least {LEAST_PROBABILITY}",
+            chance(p)
         ),
         Failure::Differ { p } => {
-            format!("held-out recordings ask for the same constants with p {p:.1e}, at least {LEAST_PROBABILITY}")
+            format!("held-out recordings ask for the same constants with p {}, at least {LEAST_PROBABILITY}", chance(p))
         }
     }
 }

@@ -48,9 +48,9 @@ pub fn host(files: &[&SimulationFile], kind: Kind, present: &[&str]) -> Result<P
             Err("an external program has no place for a law: write the model as equations, or declare candidates")
         }
         (Domain::Robot, _) => {
-            Err("joints from commands have no place for a law yet: `diagnose` without --law names their effects")
+            Err("a law is not searched in joints that follow commands: `diagnose` without --law names their effects")
         }
-        (Domain::Arm, _) => Err("an arm has no place for a law yet: write formulas of its joints as candidates"),
+        (Domain::Arm, _) => Err("a law is not searched in an arm: write formulas of its joints as candidates"),
     })
 }
 

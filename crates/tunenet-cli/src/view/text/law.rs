@@ -5,7 +5,7 @@ use tunenet_core::law::{MOST_FORCE_NATS, Member, Reason, Verdict};
 use super::fitted::{gap_line, parameter};
 use super::rounded;
 use crate::answers::diagnose::Answer;
-use crate::answers::law::{Law, alias, cautions, why, why_not, why_refused};
+use crate::answers::law::{Law, alias, cautions, nats_in_words, why, why_not, why_refused};
 use crate::view::answer::Printout;
 use crate::view::sentence::Headline;
 
@@ -95,7 +95,7 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
 
 /// The evidence of a force without a law.
 fn evidence(answer: &tunenet_core::law::Answer) -> String {
-    format!("evidence of a force {:.1} nats", answer.base_force_nats)
+    format!("evidence of a force {} nats", nats_in_words(answer.base_force_nats))
 }
 
 fn numbers(member: &Member) -> String {

@@ -49,7 +49,7 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
     }
     if judged.lag1 != 0.0 {
         let rho = judged.lag1;
-        let text = format!("noise is autocorrelated (lag-1 {rho:.2}); residuals were prewhitened");
+        let text = format!("the residual is autocorrelated (lag-1 {rho:.2}) and was prewhitened");
         notes.push(Note::new(findings::NOISE_AUTOCORRELATED, text, ""));
     }
     note_unidentifiable(&judged.context, judged.best(), notes);
