@@ -139,6 +139,7 @@ pub fn why(reason: Reason) -> &'static str {
         Reason::Decay => {
             "a force that decays from a value of its own in each recording explains the fitted recordings as well"
         }
+        Reason::Size => "the 95 % interval of its coefficient holds 0",
         Reason::Bound => "a constant of it lies at the end of the range that is searched",
         Reason::ParameterBound => {
             "a parameter of the simulation lies at a bound, and the recordings may favour values beyond it"

@@ -177,6 +177,16 @@ impl Member {
         })
     }
 
+    /// Whether the recordings leave the size of a term open: the intervals of all its coefficients hold 0. With a free exponent a coefficient is
+    /// the force where the variable is 1, which says nothing of it where it was seen.
+    #[must_use]
+    pub fn is_without_size(&self) -> bool {
+        let holds = |number: &Number| number.interval95.0 <= 0.0 && number.interval95.1 >= 0.0;
+        let is_open = |term: &FoundTerm| term.numbers.iter().any(|number| number.role == Some(Role::Exponent));
+        let of = |term: &FoundTerm| term.numbers.iter().filter(|number| number.role.is_none()).all(holds);
+        self.terms.iter().any(|term| of(term) && !is_open(term))
+    }
+
     /// The law in words: coefficients, formulas and directions.
     #[must_use]
     pub fn text(&self) -> String {

@@ -281,6 +281,7 @@ fn conclude(
         [one] if one.terms.len() > 1 => (Verdict::OneOf, Some(Reason::Terms)),
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if flexible => (Verdict::OneOf, Some(Reason::Flexible)),
+        [one] if one.is_without_size() => (Verdict::OneOf, Some(Reason::Size)),
         [one] if one.is_at_bound() => (Verdict::OneOf, Some(Reason::Bound)),
         [_] if bounded => (Verdict::OneOf, Some(Reason::ParameterBound)),
         [one] if one.gates.doubt().is_some() => (Verdict::OneOf, one.gates.doubt()),

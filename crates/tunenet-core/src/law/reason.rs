@@ -25,6 +25,8 @@ pub enum Reason {
     /// It fits any smooth force: a bump of which one flank was seen only, less than half a period of an oscillation, or a product of two
     /// factors with two constants each, or of one variable.
     Flexible,
+    /// The intervals of its coefficients hold 0.
+    Size,
     /// A constant of it lies at the end of the range that is searched.
     Bound,
     /// A parameter of the simulation lies at a bound other than 0, or at one beyond which the recordings favour values.

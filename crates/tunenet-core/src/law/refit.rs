@@ -26,6 +26,9 @@ const FEW_STEPS: usize = 6;
 /// A parameter lies at a bound within this share of the bounds.
 const AT_BOUND: f64 = 1e-9;
 
+/// What a fit ends so near a bound, as a share of the bounds, it may owe to that.
+const NEAR_BOUND: f64 = 0.01;
+
 /// How far apart, in units of the noise (root mean square), the residuals of one force in two notations may end.
 const SAME: f64 = 0.02;
 
@@ -282,11 +285,10 @@ impl<'a> Session<'a> {
         Outliers::of(residuals, self.width()).replaced(residuals)
     }
 
-    /// Whether a parameter of the simulator lies at a bound, 0 aside, which is an end by nature.
+    /// Whether a parameter of the simulator lies near a bound, 0 aside, which is an end by nature.
     pub fn is_at_bound(&self, law: &Law) -> Result<bool> {
         let simulator = self.host.carrying(&[])?;
-        let at = |&i: &usize| simulator.parameters()[i].bound_reached(law.fit.point.parameters[i]).is_some();
-        Ok(self.free.iter().any(at))
+        Ok(self.free.iter().any(|&i| is_near_bound(&simulator.parameters()[i], law.fit.point.parameters[i])))
     }
 
     /// How many values there are beyond what a law and the initial states take.
@@ -387,6 +389,11 @@ impl Rival {
         let squares: f64 = pairs().map(|(a, b)| (a - b).powi(2)).sum();
         squares <= pairs().count() as f64 * SAME * SAME
     }
+}
+
+/// Whether a value lies near a bound other than 0, which is an end by nature.
+fn is_near_bound(p: &Parameter, value: f64) -> bool {
+    [p.min, p.max].into_iter().any(|bound| bound != 0.0 && (value - bound).abs() <= NEAR_BOUND * p.span())
 }
 
 /// How many independent values there are, the noise being of this colour.
