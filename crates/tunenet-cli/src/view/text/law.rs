@@ -46,7 +46,14 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         let gates = &member.gates;
         let p = gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings agree (p {p:.2})"));
         let ahead = gates.held_out_ratio.zip(gates.held_out_left).map_or_else(String::new, |(ratio, left)| {
-            format!(", held-out error {ratio:.3} times the noise ({left:.3} less what uncertain constants explain)")
+            // Where the density is not known, uncertain constants may explain anything.
+            let left = match gates.held_out_nats {
+                Some(_) => format!("{left:.3} less what uncertain constants explain"),
+                None => {
+                    "recordings beyond the fitted ones, where its constants are too uncertain for a test".to_owned()
+                }
+            };
+            format!(", held-out error {ratio:.3} times the noise ({left})")
         });
         shown.line(&format!(
             "    gain {:.0}, residual force {:.1} nats (at most {MOST_FORCE_NATS}){p}{ahead}",

@@ -82,7 +82,7 @@ fn tests(member: &Member) -> Markup {
                     @let base = gates.held_out_base.unwrap_or(f64::INFINITY);
                     tr { th scope="row" { "held out, over noise" } td.number { (format!("{ratio:.3}")) } td { (format!("at most {base:.3}, without the law")) } }
                 }
-                @if let (Some(left), Some(p)) = (gates.held_out_left, gates.held_out_p) {
+                @if let (Some(left), Some(p), Some(_)) = (gates.held_out_left, gates.held_out_p, gates.held_out_nats) {
                     tr { th scope="row" { "held out, less what uncertain constants explain" } td.number { (format!("{left:.3}, p {p:.3}")) } td { "at most " (MOST_HELD_OUT) (format!(", or p at least {LEAST_PROBABILITY}, alone {CHANCE}")) } }
                 }
                 @if let Some(p) = gates.held_out_differ_p {
