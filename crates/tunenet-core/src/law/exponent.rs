@@ -13,7 +13,7 @@ const FAR: f64 = 2.0;
 const STEP: f64 = 0.5;
 const MOST: usize = 12;
 const ENOUGH: f64 = 0.05;
-/// How many multiples of one half on each side of an exponent are compared with it, whatever they explain.
+/// How many multiples of one half on each side of an exponent are always compared with it.
 const NEIGHBOURS: i32 = 3;
 
 /// The law with the exponent to which the information criterion rises.
