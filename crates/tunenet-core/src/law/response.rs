@@ -254,16 +254,12 @@ impl Response {
 
     /// What a direction times these values at all instants changes: a column for each of its components.
     pub fn columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
-        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(|instants| mean(instants.iter().copied())).collect();
         let components = self.parts[0].reduced[direction].len();
+        let pieces = self.pieces(values);
         let one = |c: usize| {
-            let mut at = 0;
             let mut coordinates = Vec::new();
             let mut explained = DVector::zeros(self.left.explained.len());
-            for part in &self.parts {
-                let pieces = part.visits.len();
-                let own = DVector::from_column_slice(&values[at..at + pieces]);
-                at += pieces;
+            for (part, own) in self.parts.iter().zip(&pieces) {
                 let along = &part.reduced[direction][c] * own;
                 explained += &part.explained * &along;
                 coordinates.extend(along.iter());
@@ -273,20 +269,27 @@ impl Response {
         (0..components).map(one).collect()
     }
 
+    /// The means of these values at all instants over the pieces of each recording.
+    fn pieces(&self, values: &[f64]) -> Vec<DVector<f64>> {
+        let mut means = values.chunks_exact(INSTANTS).map(|instants| mean(instants.iter().copied()));
+        let each = self.parts.iter().map(|part| {
+            let own: Vec<f64> = means.by_ref().take(part.visits.len()).collect();
+            DVector::from_vec(own)
+        });
+        each.collect()
+    }
+
     /// The same with a column for each recording and component.
     pub fn own_columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
-        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(|instants| mean(instants.iter().copied())).collect();
-        let (mut at, mut row, mut columns) = (0, 0, Vec::new());
-        for part in &self.parts {
-            let (pieces, rows) = (part.visits.len(), part.residual.len());
-            let own = DVector::from_column_slice(&values[at..at + pieces]);
+        let (mut row, mut columns) = (0, Vec::new());
+        for (part, own) in self.parts.iter().zip(self.pieces(values)) {
+            let rows = part.residual.len();
             for component in &part.reduced[direction] {
                 let along = component * &own;
                 let mut coordinates = DVector::zeros(self.dimension());
                 coordinates.rows_mut(row, rows).copy_from(&along);
                 columns.push(Column { coordinates, explained: &part.explained * &along });
             }
-            at += pieces;
             row += rows;
         }
         columns
