@@ -163,6 +163,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         base_force_nats,
         rival_bic_gain: None,
         rival_refused: false,
+        decay_bic_gain: None,
         held_out: held_out.len(),
         left: (left, left),
         followed: Vec::new(),
@@ -209,6 +210,9 @@ fn conclude(
     let found = distinct(ranked(found.collect()));
     let best = found.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     answer.left.1 = found.first().map_or(answer.left.0, |law| rms(&law.fit.residuals, session.colour));
+    // What is compared with effects of the catalogue is measured about a law that explains as much.
+    let near_known = found.first().zip(known).filter(|(law, known)| law.bic >= known.most - settings.margin);
+    answer.decay_bic_gain = near_known.and_then(|(law, _)| decay::bic_gain(session, around, law));
     // An effect of the catalogue was known before the data were seen: what it explains better is no law.
     let best = answer.rival_bic_gain.map_or(best, |gain| best.max(gain));
     let near = |laws| alone::near(session, response, laws, best, settings.margin);

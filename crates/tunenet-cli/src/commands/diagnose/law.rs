@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::diagnose::{Diagnosis, Doubt, Verdict};
-use tunenet_core::findings::NOISE_AUTOCORRELATED;
-use tunenet_core::law::{self, MOST_HELD_OUT_FORCE_NATS, Named, Settings, search};
+use tunenet_core::diagnose::{Diagnosis, Verdict};
+use tunenet_core::law::{Named, Settings, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator, measurement_effects};
 
 use super::law_start::{known, named};
+use super::weigh::adequate;
 use crate::answers::diagnose::Loaded;
 use crate::answers::law::{Found, Law};
 use crate::args::Diagnose;
@@ -42,29 +42,6 @@ pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) ->
         return Ok(None);
     }
     Ok(Some(Law { asked: options.law, seconds: began.elapsed().as_secs_f64(), found }))
-}
-
-/// The diagnosis with what a search without a law says of it: its name is in doubt where held-out recordings refuse the law that it is, and
-/// something is missing where a force is left as certainly as a law may not leave one on held-out recordings.
-pub fn weighed(diagnosis: Diagnosis, law: Option<&Law>) -> Diagnosis {
-    let found = law.and_then(|law| law.found.as_ref().ok());
-    let Some(found) = found.filter(|found| found.answer.verdict == law::Verdict::Unknown) else { return diagnosis };
-    let nats = found.answer.base_force_nats;
-    // Residual tests know the noise better where nothing else is left.
-    let is_white = diagnosis.notes.iter().all(|note| note.kind != NOISE_AUTOCORRELATED);
-    if found.answer.rival_refused {
-        diagnosis.doubted(Doubt::HeldOutUnexplained)
-    } else if is_white && nats > MOST_HELD_OUT_FORCE_NATS {
-        diagnosis
-            .reopened(format!("a smooth force is left (evidence {nats:.0} nats), and no law that passes explains it"))
-    } else {
-        diagnosis
-    }
-}
-
-/// Whether what the diagnosis leaves looks like noise.
-fn adequate(diagnosis: &Diagnosis) -> bool {
-    diagnosis.adequacy.iter().all(|test| test.passed)
 }
 
 fn searched(

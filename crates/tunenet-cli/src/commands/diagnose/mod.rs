@@ -1,7 +1,7 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! sources → load → ask (tunenet_ball::diagnose), law → improve, crate::view::{json, text, html}
+//! sources → load → ask (tunenet_ball::diagnose), law, weigh → improve, crate::view::{json, text, html}
 //! ```
 
 mod ask;
@@ -11,6 +11,7 @@ mod law_start;
 mod load;
 mod outputs;
 mod sources;
+mod weigh;
 
 use std::path::Path;
 use std::time::Instant;
@@ -53,7 +54,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     diagnosis.notes.extend(super::load::left_out(&loaded.objects[0].file)?);
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
     let law = law::search_law(options, &loaded, &diagnosis)?;
-    let diagnosis = law::weighed(diagnosis, law.as_ref());
+    let diagnosis = weigh::weighed(diagnosis, law.as_ref());
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
     let wrote = improve::write(options, &answer)?;
     improve::write_models(options, &answer)?;
@@ -107,7 +108,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let diagnosis = ask(&loaded, &options.settings())?;
         let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
         let law = law::search_law(options, &loaded, &diagnosis)?;
-        let diagnosis = law::weighed(diagnosis, law.as_ref());
+        let diagnosis = weigh::weighed(diagnosis, law.as_ref());
         let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;

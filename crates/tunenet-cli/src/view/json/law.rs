@@ -25,6 +25,7 @@ pub fn object(law: &Law) -> Json {
         "refused": answer.refused.iter().map(refused).collect::<Vec<_>>(),
         "base_residual_force_nats": answer.base_force_nats,
         "catalogue_bic_gain": answer.rival_bic_gain,
+        "decaying_force_bic_gain": answer.decay_bic_gain,
         "held_out_recordings": answer.held_out,
         "residual_before": answer.left.0,
         "residual_after": answer.left.1,

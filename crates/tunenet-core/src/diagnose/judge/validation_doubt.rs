@@ -59,6 +59,8 @@ pub enum Doubt {
     Imitated(Text, Text),
     /// They leave more of held-out recordings than of those that were fitted.
     HeldOutUnexplained,
+    /// A force that decays from a value of its own in each recording explains more.
+    DecayingForce,
     /// Another effect explains far more, with a coefficient that is not physical.
     ExcludedExplainsMore(OutOfRange),
     /// One of several effects has a coefficient that is not physical, which only the freedom of the others makes admissible.
@@ -97,6 +99,7 @@ impl Doubt {
                 | Self::Feigned(..)
                 | Self::Imitated(..)
                 | Self::HeldOutUnexplained
+                | Self::DecayingForce
                 | Self::Unconfirmed
                 | Self::WithinStepError
                 | Self::LateInputs(_)
@@ -121,6 +124,7 @@ impl fmt::Display for Doubt {
             }
             Self::Imitated(effect, values) => return write!(f, "in one setup, {values} can look like {effect}"),
             Self::HeldOutUnexplained => "held-out recordings leave more than those that were fitted",
+            Self::DecayingForce => "a force that decays from a value of its own in each recording explains more",
             Self::ExcludedExplainsMore(other) => return write!(f, "{} explains more, but {other}", other.effect),
             Self::UnphysicalAlone(own) => return write!(f, "{own}, where it is fitted alone"),
             Self::DiffersBetweenRecordings(effects) if effects.is_empty() => {

@@ -172,8 +172,9 @@ fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
     assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
 }
 
-/// By how much a decaying force surpasses one term fitted to these paths.
-fn decay_surpasses(path: &dyn Fn(usize, f64, f64) -> f64, term: Term, numbers: Vec<f64>) -> f64 {
+/// How a decaying force compares with one term fitted to these paths: by how much it surpasses the term by Akaike's criterion, and how much
+/// more it gains than the term by that of Schwarz.
+fn decay_surpasses(path: &dyn Fn(usize, f64, f64) -> f64, term: Term, numbers: Vec<f64>) -> (f64, f64) {
     let host = Line::new();
     let (fitted, log) = (prepared(&host, &recordings(&SPEEDS, 3, path)), RolloutLog::default());
     let noise = vec![vec![NOISE_M]; fitted.len()];
@@ -181,7 +182,8 @@ fn decay_surpasses(path: &dyn Fn(usize, f64, f64) -> f64, term: Term, numbers: V
     let base = Around::base(&session, &log).unwrap();
     let law = session.on(&base.response, &[term], &[numbers], session.base.point.clone()).unwrap();
     let law = session.finish(&base.response, &law).unwrap();
-    super::decay::surpasses(&session, &base, &law).unwrap()
+    let gain = super::decay::bic_gain(&session, &base, &law).unwrap();
+    (super::decay::surpasses(&session, &base, &law).unwrap(), gain - law.bic)
 }
 
 /// A push A exp(-t/c) adds A c² (exp(-t/c) − 1 + t/c) to a fall; a resistance that is found with its exponent needs none.
@@ -191,11 +193,11 @@ fn a_force_that_decays_in_each_recording_surpasses_a_law_of_the_height_and_no_tr
     let push = [2.0, 3.2, 4.5];
     let decays = |i: usize, v0: f64, t: f64| v0 * t - 4.9 * t * t + push[i] * c * c * ((-t / c).exp() - 1.0 + t / c);
     let bump = Term::new(0, 1, vec![Factor::new(Shape::Bump, 0)]);
-    let by = decay_surpasses(&decays, bump, vec![3.0, 0.0, 2.0]);
-    assert!(by > 0.0, "{by}");
+    let (by, more) = decay_surpasses(&decays, bump, vec![3.0, 0.0, 2.0]);
+    assert!(by > 0.0 && more > 0.0, "{by} {more}");
     let power = Term::new(0, 1, vec![Factor::new(Shape::OddPower, 1)]);
-    let by = decay_surpasses(&|_, v0, t| quadratic(9.8, 12.0, v0, t), power, vec![-0.07, 2.0]);
-    assert!(by < 0.0, "{by}");
+    let (by, more) = decay_surpasses(&|_, v0, t| quadratic(9.8, 12.0, v0, t), power, vec![-0.07, 2.0]);
+    assert!(by < 0.0 && more < 0.0, "{by} {more}");
 }
 
 #[test]
