@@ -12,7 +12,7 @@ use super::forms::{is_same, nests, rounds_off};
 use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::Response;
-use super::shape::{Range, Role};
+use super::shape::{Range, Role, Shape};
 use super::term::{Factor, Term};
 use crate::statistics::NORMAL_95;
 
@@ -27,10 +27,40 @@ fn akaike(session: &Session, law: &Law) -> f64 {
     session.gain(law) - price::AKAIKE * price::chosen(&law.terms) as f64
 }
 
-/// How many factors a law of one term has: none is the factor x⁰.
+/// How many factors a law of one term has: none is the factor x⁰, and what `between` compares with one factor counts as one.
 fn factors(law: &Law) -> Option<usize> {
     let [one] = law.terms.as_slice() else { return None };
-    Some(one.factors.len().max(1))
+    Some(if is_comprehensive(one) { 1 } else { one.factors.len().max(1) })
+}
+
+/// Whether this is a whole power times an exponential or a saturation of the same variable, as x⁻¹ exp(-x/c) and x/(1 + x/c): it has as many
+/// fitted constants as the one factor with which it is compared, and its whole power was not chosen among many.
+fn is_comprehensive(term: &Term) -> bool {
+    let [one, other] = term.factors.as_slice() else { return false };
+    let whole = |factor: &Factor| factor.shape == Shape::Power && factor.rounded.is_some_and(|p| p.fract() == 0.0);
+    let falls = |factor: &Factor| matches!(factor.shape, Shape::Exp | Shape::Saturation);
+    one.variable == other.variable && (whole(one) && falls(other) || whole(other) && falls(one))
+}
+
+/// Forms between which a rounder exponent is no evidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// A whole power times an exponential or a saturation of the same variable.
+    Comprehensive,
+    /// A power with a rounded exponent that is not whole: the data chose it as they choose a constant.
+    HalfPower,
+    Other,
+}
+
+impl Form {
+    fn of(law: &Law) -> Self {
+        let [one] = law.terms.as_slice() else { return Self::Other };
+        match one.factors.as_slice() {
+            _ if is_comprehensive(one) => Self::Comprehensive,
+            [factor] if factor.rounded.is_some_and(|p| p.fract() != 0.0) => Self::HalfPower,
+            _ => Self::Other,
+        }
+    }
 }
 
 /// What recordings say for a law, in twice the logarithmic likelihood.
@@ -45,6 +75,7 @@ struct Support {
     /// How many constants are fitted, and how many numbers the data chose.
     constants: usize,
     chosen: usize,
+    form: Form,
     /// Whether the middle of every bump and half a period of every oscillation were visited.
     visited: bool,
 }
@@ -61,6 +92,7 @@ impl Support {
             factors: factors(law),
             constants: price::constants(&law.terms),
             chosen: price::chosen(&law.terms),
+            form: Form::of(law),
             visited,
         }
     }
@@ -73,7 +105,10 @@ impl Support {
         let as_simple = lead.factors.is_some() && self.factors == lead.factors && self.chosen <= lead.chosen + 1;
         let as_simple = as_simple && leads && self.visited;
         let supported = self.akaike >= lead.akaike - SUBSTANTIAL;
-        let as_likely = self.constants == lead.constants && self.likelihood >= lead.likelihood - margin;
+        let as_chosen =
+            self.form == Form::Comprehensive && lead.form == Form::HalfPower && self.constants == lead.chosen;
+        let as_many = self.constants == lead.constants || as_chosen;
+        let as_likely = as_many && self.likelihood >= lead.likelihood - margin;
         self.schwarz >= best - margin || as_simple && (supported || as_likely)
     }
 }
@@ -232,12 +267,42 @@ fn rounds(rounded: &Term, free: &Term, intervals: &[(f64, f64)]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::Shape;
     use super::*;
 
     fn support(schwarz: f64, akaike: f64, factors: usize, chosen: usize) -> Support {
         let likelihood = akaike + price::AKAIKE * chosen as f64;
-        Support { schwarz, akaike, likelihood, factors: Some(factors), constants: chosen, chosen, visited: true }
+        Support {
+            schwarz,
+            akaike,
+            likelihood,
+            factors: Some(factors),
+            constants: chosen,
+            chosen,
+            form: Form::Other,
+            visited: true,
+        }
+    }
+
+    /// x^-1.5 leads by 11: x⁻¹ exp(-x/c) explains 5 less and has a constant for the exponent that was rounded.
+    #[test]
+    fn a_half_power_is_no_evidence_against_a_power_times_a_decay() {
+        let lead = Support { constants: 1, form: Form::HalfPower, ..support(100.0, 104.0, 1, 2) };
+        let product = Support { constants: 2, form: Form::Comprehensive, ..support(89.0, 97.0, 1, 3) };
+        assert_eq!(nearest(&[lead, product], None, 6.0), [true, true]);
+        assert_eq!(nearest(&[lead, Support { likelihood: 101.0, ..product }], None, 6.0), [true, false]);
+        assert_eq!(nearest(&[Support { form: Form::Other, ..lead }, product], None, 6.0), [true, false]);
+    }
+
+    #[test]
+    fn a_whole_power_times_a_decay_of_its_variable_counts_as_one_factor() {
+        let power = |p: f64, variable: usize| Factor { rounded: Some(p), ..Factor::new(Shape::Power, variable) };
+        let of = |factors: Vec<Factor>| is_comprehensive(&Term::new(0, 1, factors));
+        assert!(of(vec![power(-1.0, 0), Factor::new(Shape::Exp, 0)]));
+        assert!(of(vec![Factor::new(Shape::Saturation, 0), power(1.0, 0)]));
+        assert!(!of(vec![power(-1.5, 0), Factor::new(Shape::Exp, 0)]));
+        assert!(!of(vec![power(-1.0, 1), Factor::new(Shape::Exp, 0)]));
+        assert!(!of(vec![power(-1.0, 0), Factor::new(Shape::Tanh, 0)]));
+        assert!(!of(vec![power(-1.0, 0)]));
     }
 
     /// One law leads by 8; a second with one number more has lost only what BIC takes for that; a third has two factors.
