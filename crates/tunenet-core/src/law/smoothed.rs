@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::around::Around;
-use super::forms::ranked;
+use super::forms::{is_same, ranked};
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
 use super::response::{Fitted, Part, Response};
@@ -36,7 +36,7 @@ const STEPS: usize = 8;
 const SINGLES: usize = 6;
 const PRODUCTS: usize = 3;
 /// Over which first shares of the recordings how many of them are fitted one after the other: fewer and fewer of the best (Jamieson and
-/// Talwalkar 2016).
+/// Talwalkar 2016), and among them the one that explains most of the whole paths, of which a first share shows little.
 const SHARES: [(f64, usize); 5] = [(0.2, SINGLES + PRODUCTS), (0.35, 3), (0.5, 2), (0.75, 2), (1.0, 2)];
 
 /// A path that follows one recording.
@@ -71,12 +71,23 @@ pub(super) fn smoothed(session: &Session, base: &Around, best: Option<&Law>) -> 
     };
     let mut laws = ranked(begun.par_iter().filter_map(begin).collect());
     for (share, most) in later {
+        laws = kept(laws, begun.first(), most);
         let longer = |law: &Law| {
             let numbers = law.numbers();
             session.longer(&around.response, (&law.terms, &numbers), law.fit.point.clone(), share)
         };
-        laws = ranked(laws.par_iter().take(most).filter_map(longer).collect());
+        laws = ranked(laws.par_iter().filter_map(longer).collect());
     }
+    laws
+}
+
+/// So many of the laws, of which the best come first, and among them that of a candidate.
+fn kept(mut laws: Vec<Law>, of: Option<&Candidate>, most: usize) -> Vec<Law> {
+    let place = of.and_then(|one| laws.iter().position(|law| is_same(&law.terms, &one.terms)));
+    if let Some(place) = place.filter(|place| *place >= most) {
+        laws.swap(most - 1, place);
+    }
+    laws.truncate(most);
     laws
 }
 
