@@ -96,6 +96,24 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     assert!(width(&open) > 1.2 * width(&tuned), "{open:#}");
 }
 
+/// Where nothing moves, nothing shows the noise that a law is measured by.
+#[test]
+fn recordings_that_stand_still_have_no_law() {
+    let folder = recorded(|q, _| -0.5 * q * q * q);
+    let still = |folder: &Folder, i: u32| {
+        let lines = (0..200).map(|k| format!("{},0.5\n", f64::from(k) * 0.02));
+        folder.write(&format!("{i}.csv"), std::iter::once("t_s,q_rad\n".into()).chain(lines).collect::<String>());
+    };
+    still(&folder, 0);
+    for recordings in ["0.csv", "0.csv 1.csv 2.csv --held-out 3.csv", "1.csv 2.csv --held-out 0.csv"] {
+        let ran = folder.run(&format!("diagnose --sim swing.toml --law --json {recordings}"));
+        assert!(!ran.stderr.contains("panicked"), "{}", ran.stderr);
+        let law = &ran.json()["law"];
+        let why = law["why"].as_str().unwrap_or_default();
+        assert!(law["verdict"] == "unknown" && why.starts_with("no channel of a recording changes"), "{law:#}");
+    }
+}
+
 #[test]
 fn a_linear_oscillator_has_no_law() {
     let folder = recorded(|_, _| 0.0);

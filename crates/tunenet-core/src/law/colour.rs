@@ -78,7 +78,7 @@ impl Colour {
 /// The mean square of values about 0, outliers limited.
 fn robust_square(values: &[f64]) -> f64 {
     let most = LARGEST * mad_sd(values.iter().copied());
-    values.iter().map(|v| v.clamp(-most, most).powi(2)).sum::<f64>() / values.len() as f64
+    values.iter().map(|v| v.abs().min(most).powi(2)).sum::<f64>() / values.len() as f64
 }
 
 /// Differences of values so many samples apart.

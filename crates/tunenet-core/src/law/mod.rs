@@ -319,6 +319,17 @@ fn rms(residuals: &[Vec<f64>], colour: Colour) -> f64 {
     colour.values_for_one().sqrt() * root_mean_square(residuals.iter().flatten().copied())
 }
 
+/// Whether the noise of a recording is known, or its differences show it: no channel of one that stands still changes.
+#[must_use]
+pub fn has_noise(recording: &Prepared) -> bool {
+    let changes = |channel: usize| {
+        let mut values = recording.seen.column(channel);
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    };
+    recording.noise.is_some() || (0..recording.seen.channels().len()).any(changes)
+}
+
 /// How far the noise of one recording may lie from that of all for them to be one, by this factor or by as many standard deviations.
 const ALIKE: f64 = 1.5;
 const DEVIATIONS: f64 = 4.0;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::diagnose::{Diagnosis, Verdict};
-use tunenet_core::law::{Named, Settings, search};
+use tunenet_core::law::{Named, Settings, has_noise, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator, measurement_effects};
 
 use super::law_start::{known, named};
@@ -77,6 +77,9 @@ fn searched(
     }
     if fitted.is_empty() {
         return Ok(Err("no recording can be used for a law"));
+    }
+    if !fitted.iter().chain(&held_out).all(has_noise) {
+        return Ok(Err("no channel of a recording changes, so nothing shows how large its noise is"));
     }
     let effects = diagnosis.effects();
     let competes = effects.iter().all(|one| base.with_effects(&[one.effect.name.as_ref()]).is_ok());
