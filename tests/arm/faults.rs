@@ -164,7 +164,7 @@ fn logs_that_are_broken_get_one_sentence() {
     let cases = [
         ("empty.csv", "found an empty file"),
         ("cut.csv", "expected 4 cells, found 3"),
-        ("nan.csv", "not a finite number"),
+        ("nan.csv", "expected a finite number"),
         ("none.csv", "check the path"),
     ];
     for (name, said) in cases {

@@ -77,7 +77,7 @@ fn a_start_that_cannot_be_read_is_refused_instead_of_taken_for_0() {
     let broken = |(i, line): (usize, &str)| if i == 2 { format!("{line}x\n") } else { format!("{line}\n") };
     folder.write("seen.csv", text.lines().enumerate().map(broken).collect::<String>());
     let ran = folder.run("simulate --sim robot.toml --inputs seen.csv --out s.csv").ends(1);
-    assert!(ran.stderr.contains("`hinge_rad` is not a number"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("`hinge_rad`: expected a number"), "{}", ran.stderr);
     folder.write("seen.csv", text.replace("hinge_rad", "hinge_v"));
     let ran = folder.run("simulate --sim robot.toml --inputs seen.csv --out s.csv").ends(1);
     assert!(ran.stderr.contains("expected `hinge_rad` in rad, found the column in V"), "{}", ran.stderr);

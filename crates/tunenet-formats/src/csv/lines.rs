@@ -143,11 +143,18 @@ fn cell(line: &str, start: usize, end: usize) -> Cell<'_> {
 
 /// Whether the first line holds names; a line of numbers is the first sample.
 pub(crate) fn named(cells: &[Cell<'_>], separator: Option<char>) -> bool {
-    cells.iter().any(|cell| !cell.text.is_empty() && number(cell.text, separator) == Err("not a number"))
+    cells.iter().any(|cell| !cell.text.is_empty() && number(cell.text, separator) == Err(NoNumber::Word))
+}
+
+/// Why a cell holds no number that can be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum NoNumber {
+    Word,
+    NotFinite,
 }
 
 /// A finite number, or what is wrong with the cell. A comma counts as the decimal mark where it is not the separator.
-pub(crate) fn number(text: &str, separator: Option<char>) -> std::result::Result<f64, &'static str> {
+pub(crate) fn number(text: &str, separator: Option<char>) -> std::result::Result<f64, NoNumber> {
     let value = if separator != Some(',') && text.matches(',').count() == 1 && !text.contains('.') {
         text.replace(',', ".").parse::<f64>()
     } else {
@@ -155,8 +162,8 @@ pub(crate) fn number(text: &str, separator: Option<char>) -> std::result::Result
     };
     match value {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err("not a finite number"),
-        Err(_) => Err("not a number"),
+        Ok(_) => Err(NoNumber::NotFinite),
+        Err(_) => Err(NoNumber::Word),
     }
 }
 
@@ -177,10 +184,10 @@ mod tests {
     fn numbers_are_finite_and_may_use_a_decimal_comma() {
         assert_eq!(number("1,25", Some(';')), Ok(1.25));
         assert_eq!(number("-1.5e-3", Some(',')), Ok(-0.0015));
-        assert_eq!(number("nan", Some(',')), Err("not a finite number"));
-        assert_eq!(number("1e999", Some(',')), Err("not a finite number"));
-        assert_eq!(number("0.6b31", None), Err("not a number"));
-        assert_eq!(number("1,234.5", Some(';')), Err("not a number"));
+        assert_eq!(number("nan", Some(',')), Err(NoNumber::NotFinite));
+        assert_eq!(number("1e999", Some(',')), Err(NoNumber::NotFinite));
+        assert_eq!(number("0.6b31", None), Err(NoNumber::Word));
+        assert_eq!(number("1,234.5", Some(';')), Err(NoNumber::Word));
     }
 
     #[test]

@@ -93,7 +93,7 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
             return header.refuse(Some(column), message, hint);
         }
         let what = match role {
-            Role::Predicted => format!("{} are what the simulation predicts", names(channels)),
+            Role::Predicted => format!("{} are the time and what the simulation predicts", names(channels)),
             Role::Driving if clock.is_none() => {
                 let inputs: Vec<String> = channels.iter().map(Channel::header).collect();
                 format!("the times of the input {}", list(inputs.iter().map(String::as_str), 12))
@@ -453,7 +453,7 @@ mod tests {
     fn foreign_names_go_through_the_mapping_that_is_proposed() {
         let (_folder, path) = file("a.csv", "stamp [s],theta\n0,1\n1,2\n2,3\n");
         let (message, hint) = error_text(&read(&path, &options(&["angle_rad"], &[])).unwrap_err());
-        assert!(message.contains("expected a column `t_s` (`t_s`, `angle_rad` are what"), "{message}");
+        assert!(message.contains("expected a column `t_s` (`t_s`, `angle_rad` are the time and"), "{message}");
         assert!(hint.contains("`--columns 't_s=stamp [s],angle_rad=theta'`"), "{hint}");
         let mapped = options(&["angle_rad"], &[("t_s", "stamp [s]"), ("angle_rad", "theta")]);
         assert_eq!(read(&path, &mapped).unwrap().observation.values(), [1.0, 2.0, 3.0]);
@@ -465,7 +465,7 @@ mod tests {
     fn a_broken_cell_is_reported_under_the_channels_name() {
         let (_folder, path) = file("a.csv", "t_s,angle_rad\n0,1\n1,x\n2,3\n");
         let (message, _) = error_text(&read(&path, &options(&["angle_rad"], &[])).unwrap_err());
-        assert!(message.contains("`angle_rad` is"), "{message}");
+        assert!(message.contains("`angle_rad`: expected a number"), "{message}");
     }
 
     #[test]

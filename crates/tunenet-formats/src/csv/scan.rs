@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
 use super::dates;
-use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
+use super::lines::{Line, Lines, MOST_IDLE, NoNumber, cells, idle, named, number, separator};
 use super::own_columns;
 use crate::quantity::Quantity;
 use crate::recording::{LARGEST, MOST_NUMBERS, ReadOptions};
@@ -207,19 +207,19 @@ impl Scan {
         }
         let read = |source: &Source| {
             let text = cells[source.column].text;
-            let broken = |why: &str, expected: &str| {
+            let broken = |expected: &str| {
                 // Damaged numbers can be hundreds of digits long.
                 let shown = shortened(text);
-                let message =
-                    format!("`{}` is {why}: expected {expected}, found `{shown}`", self.layout.header(source));
+                let message = format!("`{}`: expected {expected}, found `{shown}`", self.layout.header(source));
                 let dated = source.quantity == Quantity::Time && dates::is_date(text);
                 let hint = if dated { dates::HINT } else { "correct the cell, or empty it to leave the sample out" };
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             };
             match number(text, self.separator).map(|value| source.value(value)) {
                 Ok(value) if value.abs() <= LARGEST => Ok(value),
-                Ok(_) => Err(broken("too large", &format!("at most {LARGEST:e}"))),
-                Err(why) => Err(broken(why, "a finite number")),
+                Ok(_) => Err(broken(&format!("at most {LARGEST:e}"))),
+                Err(NoNumber::Word) => Err(broken("a number")),
+                Err(NoNumber::NotFinite) => Err(broken("a finite number")),
             }
         };
         let time = self.layout.clock.as_ref().map(read).transpose()?;

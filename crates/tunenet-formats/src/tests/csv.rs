@@ -196,17 +196,17 @@ fn every_bad_table_says_what_and_where() {
         ),
         (
             "t_s,z_m\n0,1\n0.15,0.6b31\n1,2\n2,x\n",
-            "a.csv:3:6: `z_m` is not a number: expected a finite number, found `0.6b31`",
+            "a.csv:3:6: `z_m`: expected a number, found `0.6b31`",
             "correct the cell, or empty it to leave the sample out; also line 5",
         ),
         (
             "t_s,z_m\n0,NaN\n",
-            "a.csv:2:3: `z_m` is not a finite number: expected a finite number, found `NaN`",
+            "a.csv:2:3: `z_m`: expected a finite number, found `NaN`",
             "correct the cell, or empty it to leave the sample out",
         ),
         (
             "t_s,z_m\n0,-inf\n",
-            "a.csv:2:3: `z_m` is not a finite number: expected a finite number, found `-inf`",
+            "a.csv:2:3: `z_m`: expected a finite number, found `-inf`",
             "correct the cell, or empty it to leave the sample out",
         ),
         ("t_s,x_m,z_m\n0,1,2\n1,2\n", "a.csv:3:3: expected 3 cells, found 2", "complete or delete the line"),

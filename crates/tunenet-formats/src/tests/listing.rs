@@ -18,7 +18,7 @@ fn a_table_is_listed_with_its_broken_lines() {
     assert_eq!(table.broken_count, 2);
     let message = "the time falls: expected more than 0.5, found 0.4".into();
     assert_eq!(table.broken[1], BrokenLine { line: 7, message });
-    assert_eq!(table.usable, Err("line 3: `z_m` is not a number: expected a finite number, found `x`".into()));
+    assert_eq!(table.usable, Err("line 3: `z_m`: expected a number, found `x`".into()));
 }
 
 #[test]
