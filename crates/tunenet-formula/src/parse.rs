@@ -44,7 +44,11 @@ pub(crate) fn parse(text: &str) -> Result<Tree, FormulaError> {
             StrContext::Expected(value) => Some(value.to_string()),
             _ => None,
         });
-        FormulaError::new(place(text, at), said.unwrap_or_else(|| END.into()), found(text, at))
+        FormulaError::new(
+            place(text, at),
+            said.unwrap_or_else(|| END.into()),
+            advised(found(text, at), advice(text, at)),
+        )
     })?;
     called(&tree)?;
     Ok(tree)
@@ -60,7 +64,46 @@ fn unknown_function(text: &str, at: usize) -> Option<FormulaError> {
     }
     let names: Vec<&str> = Function::NAMED.iter().map(|(name, _)| *name).collect();
     let expected = format!("one of the functions {}", names.join(", "));
-    Some(FormulaError::new(start..before.len(), expected, found(text, start)))
+    let known = names.iter().find(|name| name.eq_ignore_ascii_case(word));
+    let advice = match (word.to_ascii_lowercase().as_str(), known) {
+        (_, Some(_)) => Some("functions are written in small letters"),
+        ("if" | "where" | "ifelse" | "heaviside" | "step", _) => Some(NO_COMPARISON),
+        ("log", _) => Some("`ln` is the natural logarithm"),
+        ("pow" | "power" | "square", _) => Some(POWER),
+        ("fabs" | "norm", _) => Some("`abs` is the absolute value"),
+        ("sgn" | "signum", _) => Some("`sign` is the sign"),
+        _ => None,
+    };
+    Some(FormulaError::new(start..before.len(), expected, advised(found(text, start), advice)))
+}
+
+const POWER: &str = "a power is written `x^2`";
+const PRODUCT: &str = "a product is written `a*b`";
+const NO_COMPARISON: &str = "there is no comparison: `sign`, `max`, `min`, `clamp` and `tanh` switch";
+
+/// How a formula writes what other languages write as it stands at this place.
+fn advice(text: &str, at: usize) -> Option<&'static str> {
+    let (before, rest) = (text.get(..at)?.trim_end(), text.get(at..)?);
+    // What ends a value, so that another one may not follow it.
+    let is_value = before.ends_with(|c: char| c.is_alphanumeric() || c == ')' || c == '_');
+    match rest.chars().next()? {
+        '*' if before.ends_with('*') => Some(POWER),
+        '<' | '>' | '!' | '&' | '|' | '?' => Some(NO_COMPARISON),
+        '=' if rest.starts_with("==") => Some(NO_COMPARISON),
+        '=' => Some("what a formula gives is the name of its key"),
+        ',' => Some("a decimal number has a point"),
+        '\u{2212}' | '\u{2013}' => Some("a minus is written `-`"),
+        '\u{b7}' | '\u{d7}' => Some(PRODUCT),
+        c if is_value && (c.is_alphanumeric() || c == '(') => Some(PRODUCT),
+        _ => None,
+    }
+}
+
+fn advised(found: String, advice: Option<&str>) -> String {
+    match advice {
+        Some(advice) => format!("{found}; {advice}"),
+        None => found,
+    }
 }
 
 /// Refuses what is too long or too deep to be followed.
@@ -242,7 +285,7 @@ mod tests {
             ("a + * b", 4, "expected a number, a name, a function or `(`, found `*`"),
             ("(a + b", 6, "expected an operator or `)`, found the end"),
             ("a + b)", 5, "expected an operator or the end of the formula, found `)`"),
-            ("2 x_m", 2, "expected an operator or the end of the formula, found `x_m`"),
+            ("2 x_m", 2, "expected an operator or the end of the formula, found `x_m`; a product is written `a*b`"),
             ("min(a; b)", 5, "expected an operator, `,` or `)`, found `;`"),
             ("min(a)", 0, "expected 2 values for `min`, found 1 value"),
             ("sin(a, b)", 0, "expected 1 value for `sin`, found 2 values"),
@@ -252,14 +295,41 @@ mod tests {
                 "expected one of the functions abs, sign, min, max, sqrt, cbrt, exp, ln, sin, cos, \
                  tan, atan2, tanh, clamp, delay, found `sine`",
             ),
-            ("2(x)", 1, "expected an operator or the end of the formula, found `(`"),
-            ("a = b", 2, "expected an operator or the end of the formula, found `=`"),
+            ("2(x)", 1, "expected an operator or the end of the formula, found `(`; a product is written `a*b`"),
+            (
+                "a = b",
+                2,
+                "expected an operator or the end of the formula, found `=`; what a formula gives is the name of its key",
+            ),
             ("--a ----- b", 8, "expected at most 4 signs in a row, found 5"),
             ("1e999", 0, "expected a number, a name, a function or `(`, found `1e999`"),
         ] {
             let refused = parse(text).unwrap_err();
             assert_eq!((refused.to_string().as_str(), refused.place.start), (wanted, at), "{text}");
         }
+    }
+
+    #[test]
+    fn what_other_languages_write_is_said_in_the_words_of_a_formula() {
+        for (text, at, advice) in [
+            ("a**2", 2, "a power is written `x^2`"),
+            ("pow(a, 2)", 0, "a power is written `x^2`"),
+            ("a * (b > 0)", 7, "there is no comparison"),
+            ("if(a, b, c)", 0, "there is no comparison"),
+            ("a == b", 2, "there is no comparison"),
+            ("9,81 * a", 1, "a decimal number has a point"),
+            ("a \u{2212} b", 2, "a minus is written `-`"),
+            ("3 sin(a)", 2, "a product is written `a*b`"),
+            ("Sin(a)", 0, "functions are written in small letters"),
+            ("log(a)", 0, "`ln` is the natural logarithm"),
+        ] {
+            let refused = parse(text).unwrap_err();
+            assert!(refused.found.contains(&format!("; {advice}")), "{text}: {}", refused.found);
+            assert_eq!(refused.place.start, at, "{text}");
+        }
+        // What has no counterpart is left as it is.
+        assert_eq!(parse("a % b").unwrap_err().found, "`%`");
+        assert_eq!(parse("a + * b").unwrap_err().found, "`*`");
     }
 
     #[test]
