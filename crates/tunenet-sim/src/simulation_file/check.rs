@@ -38,11 +38,13 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> 
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
     }
-    let entry = contradiction_of_kind(domain, root).map(|wrong| (wrong, "correct the line that is named here"));
-    let bounds = || contradiction_of_bounds(domain, root).map(|wrong| (wrong, "correct the value or its bounds"));
+    let example = || format!("`tunenet init {}` writes an example with comments", domain.name());
+    let entry = contradiction_of_kind(domain, root).map(|wrong| (wrong, example()));
+    let bounds =
+        || contradiction_of_bounds(domain, root).map(|wrong| (wrong, "correct the value or its bounds".into()));
     match entry.or_else(bounds) {
         Some(((key, span, expected, found), hint)) => {
-            Err(located(path, text, span, format!("`{key}`: expected {expected}, found {found}"), hint))
+            Err(located(path, text, span, format!("`{key}`: expected {expected}, found {found}"), &hint))
         }
         None => Ok(domain),
     }
