@@ -87,7 +87,12 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
         motors::with_limits_reached(with_damping_left(entry, &damping), &motors)
     };
     let mut entries: Vec<Effect> = effects.iter().map(entry).collect();
-    let joints: Vec<JointOf> = names.iter().copied().zip(slides.iter().copied()).collect();
+    let each = order.iter().zip(&slides);
+    let joints = each.map(|((name, joint), &slides)| {
+        let command_unit = Some(joint.drive.command_unit(slides));
+        JointOf { name, slides, command_unit }
+    });
+    let joints: Vec<JointOf> = joints.collect();
     let formulas = file.robot_formulas(&joints)?;
     let zero = |joint: usize| {
         let mut all = roles.iter().zip(&parameters);

@@ -1,4 +1,4 @@
-//! A torque at one joint or several: a formula of its position, its speed and the time. Where it jumps with the direction of the motion, a
+//! A torque at one joint or several: a formula of its position, its speed, the time and its command. Where it jumps with the direction of the motion, a
 //! rollout takes both sides of the jump, between which a joint sticks (Filippov 1988).
 
 use std::sync::Arc;
@@ -14,14 +14,32 @@ const VARIABLES: [(&str, &str); 3] = [("q_rad", "rad"), ("dq_rad_s", "rad/s"), (
 const OF_SLIDES: [(&str, &str); 3] = [("q_m", "m"), ("dq_m_s", "m/s"), ("t_s", "s")];
 const SPEED: usize = 1;
 const TIME: usize = 2;
-const COUNT: usize = VARIABLES.len();
+/// What a formula of a joint that follows commands may use as well.
+const COMMAND: &str = "command";
+const MOST_VARIABLES: usize = VARIABLES.len() + 1;
 /// Most places where a formula may jump.
 const MOST_SURFACES: usize = 8;
 /// Speed at which the direction of a motion has found its sign, rad/s.
 const SLIDING_RAD_S: f64 = 0.01;
 
-/// A joint of a robot: its name, and whether it slides.
-pub(crate) type JointOf<'a> = (&'a str, bool);
+/// A joint that formulas may act at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct JointOf<'a> {
+    pub name: &'a str,
+    /// Whether it slides instead of turning.
+    pub slides: bool,
+    /// The unit of its command; `None` where it follows none.
+    pub command_unit: Option<&'static str>,
+}
+
+/// What a joint does at an instant (s), in rad and rad/s or m and m/s, and its command, 0 where it follows none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointInstant {
+    pub t: f64,
+    pub q: f64,
+    pub dq: f64,
+    pub command: f64,
+}
 
 /// Where the formula jumps.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +65,8 @@ pub(crate) struct JointTorque {
     /// Whether it points along the motion.
     along_motion: bool,
     depends_on_time: bool,
+    /// How many variables it may use, which precede its coefficients.
+    variables: usize,
 }
 
 impl JointTorque {
@@ -56,8 +76,9 @@ impl JointTorque {
             let found = format!("\"{}\"", other.escape_debug());
             return Err(Misfit::new("gives", "\"nm\", the torque that an arm's motion needs more", found));
         }
-        let turning: Option<Vec<JointOf>> = joints.map(|all| all.iter().map(|name| (name.as_str(), false)).collect());
-        Self::made((name, candidate), turning.as_deref(), false, "joints of the arm")
+        let turning = joints
+            .map(|all| all.iter().map(|name| JointOf { name, slides: false, command_unit: None }).collect::<Vec<_>>());
+        Self::made((name, candidate), turning.as_deref(), (false, false), "joints of the arm")
     }
 
     /// What acts at the joints of a robot that follows commands: those that turn, or those that slide where it gives a force.
@@ -71,13 +92,18 @@ impl JointTorque {
                 return Err(Misfit::new("gives", expected, format!("\"{}\"", other.escape_debug())));
             }
         };
-        Self::made((name, candidate), joints, slides, if slides { "joints that slide" } else { "joints that turn" })
+        Self::made(
+            (name, candidate),
+            joints,
+            (slides, true),
+            if slides { "joints that slide" } else { "joints that turn" },
+        )
     }
 
     fn made(
         (name, candidate): (&str, &Candidate),
         joints: Option<&[JointOf]>,
-        slides: bool,
+        (slides, commanded): (bool, bool),
         expected: &str,
     ) -> Result<Self, Misfit> {
         let along_motion = match candidate.along.as_slice() {
@@ -93,11 +119,11 @@ impl JointTorque {
             return Err(Misfit::new("per_direction", expected, "none"));
         }
         let named = candidate.joints.as_deref();
-        let fits = |joint: &&JointOf| joint.1 == slides;
+        let fits = |joint: &&JointOf| joint.slides == slides;
         let known = || joints.into_iter().flatten().filter(fits);
-        let has = |name: &str| joints.is_none() || known().any(|(own, _)| *own == name);
+        let has = |name: &str| joints.is_none() || known().any(|joint| joint.name == name);
         if let Some(name) = named.into_iter().flatten().find(|name| !has(name)) {
-            let all = known().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+            let all = known().map(|joint| format!("\"{}\"", joint.name)).collect::<Vec<_>>().join(", ");
             return Err(Misfit::new("joints", format!("{expected} ({all})"), format!("\"{name}\"")));
         }
         if joints.is_some() && known().next().is_none() {
@@ -116,18 +142,33 @@ impl JointTorque {
             return Err(Misfit::new("joints", "each joint once", format!("\"{}\" twice", all[i].escape_debug())));
         }
         let place = |(i, joint): (usize, &JointOf)| {
-            let own = named.map_or(Some(i), |named| named.iter().position(|one| one == joint.0));
+            let own = named.map_or(Some(i), |named| named.iter().position(|one| one == joint.name));
             own.filter(|_| fits(&joint))
         };
-        let places = joints.into_iter().flatten().enumerate().map(place).collect();
+        let places: Vec<Option<usize>> = joints.into_iter().flatten().enumerate().map(place).collect();
         let (variables, unit) = if slides { (&OF_SLIDES, "N") } else { (&VARIABLES, "N·m") };
-        let (formula, layout) = formula(candidate, variables, named.map_or(1, <[String]>::len))?;
+        let acted_at = joints.into_iter().flatten().zip(&places).filter_map(|(joint, place)| place.map(|_| joint));
+        let commands = commanded.then(|| (COMMAND, unit_of_commands(acted_at)));
+        let variables: Vec<(&str, &str)> = variables.iter().copied().chain(commands).collect();
+        let (formula, layout) = formula(candidate, &variables, named.map_or(1, <[String]>::len))?;
         require_unit(&formula, unit)?;
         let depends_on_time = formula.uses(TIME);
-        let divisors = formula.divisors(&|name| name < COUNT).map_err(Misfit::of)?;
+        let variables = variables.len();
+        let divisors = formula.divisors(&|name| name < variables).map_err(Misfit::of)?;
         let (sided, surfaces) = sides_of(&formula).map_err(Misfit::of)?;
         let name = name.to_owned();
-        Ok(Self { name, formula, layout, divisors, sided, surfaces, joints: places, along_motion, depends_on_time })
+        Ok(Self {
+            name,
+            formula,
+            layout,
+            divisors,
+            sided,
+            surfaces,
+            joints: places,
+            along_motion,
+            depends_on_time,
+            variables,
+        })
     }
 
     /// At how many joints of the robot it acts, and which one is the first.
@@ -143,6 +184,12 @@ impl JointTorque {
     pub fn depends_on_time(&self) -> bool {
         self.depends_on_time
     }
+}
+
+/// The unit in which all these joints are commanded; empty, which is none, where they differ.
+fn unit_of_commands<'a>(mut joints: impl Iterator<Item = &'a JointOf<'a>>) -> &'static str {
+    let first = joints.next().and_then(|joint| joint.command_unit);
+    first.filter(|unit| joints.all(|joint| joint.command_unit == Some(*unit))).unwrap_or_default()
 }
 
 /// The formula with the side of each of its surfaces left open, and where these are.
@@ -181,16 +228,16 @@ impl AppliedTorque {
         Self { torque: Arc::clone(torque), values: values.to_vec() }
     }
 
-    /// The torque (N·m) that the motion of joint `j` needs more at this instant, position and speed.
-    pub(crate) fn torque(&self, j: usize, t: f64, q: f64, dq: f64) -> f64 {
-        let Some(names) = self.names(j, [q, dq, t]) else { return 0.0 };
-        let sign = if self.torque.along_motion { dq / dq.hypot(SLIDING_RAD_S) } else { 1.0 };
+    /// The torque (N·m) that the motion of joint `j` needs more.
+    pub(crate) fn torque(&self, j: usize, at: JointInstant) -> f64 {
+        let Some(names) = self.names(j, at) else { return 0.0 };
+        let sign = if self.torque.along_motion { at.dq / at.dq.hypot(SLIDING_RAD_S) } else { 1.0 };
         sign * self.torque.formula.program().value(&names)
     }
 
     /// The same where the joint moves forwards, and where it moves backwards: both differ by what jumps when the motion turns.
-    pub(crate) fn sides(&self, j: usize, t: f64, q: f64, dq: f64) -> (f64, f64) {
-        let Some(names) = self.names(j, [q, dq, t]) else { return (0.0, 0.0) };
+    pub(crate) fn sides(&self, j: usize, at: JointInstant) -> (f64, f64) {
+        let Some(names) = self.names(j, at) else { return (0.0, 0.0) };
         let torque = &*self.torque;
         if torque.surfaces.is_empty() {
             let value = torque.formula.program().value(&names);
@@ -213,9 +260,9 @@ impl AppliedTorque {
         (of(1.0), of(-1.0))
     }
 
-    /// Which part of the formula has no finite value at joint `j`, at this instant, position and speed, in words without an end.
-    pub(crate) fn undefined(&self, j: usize, (t, q, dq): (f64, f64, f64)) -> Option<String> {
-        let part = self.torque.formula.undefined(&self.names(j, [q, dq, t])?)?;
+    /// Which part of the formula has no finite value at joint `j`, in words without an end.
+    pub(crate) fn undefined(&self, j: usize, at: JointInstant) -> Option<String> {
+        let part = self.torque.formula.undefined(&self.names(j, at)?)?;
         Some(format!("`{}` in `candidates.{}.formula` {}", part.text, self.torque.name, part.what))
     }
 
@@ -224,20 +271,22 @@ impl AppliedTorque {
         !self.torque.divisors.is_empty()
     }
 
-    /// Which part of the formula has a pole between two instants, positions and speeds of joint `j`, in words without an end.
-    pub(crate) fn pole(&self, j: usize, (t, q, dq): (f64, f64, f64), (t2, q2, dq2): (f64, f64, f64)) -> Option<String> {
-        let (from, to) = (self.names(j, [q, dq, t])?, self.names(j, [q2, dq2, t2])?);
+    /// Which part of the formula has a pole between two instants of joint `j`, in words without an end.
+    pub(crate) fn pole(&self, j: usize, from: JointInstant, to: JointInstant) -> Option<String> {
+        let (from, to) = (self.names(j, from)?, self.names(j, to)?);
         let part = self.torque.formula.pole_between(&self.torque.divisors, &from, &to)?;
         Some(format!("`{part}` in `candidates.{}.formula` grows beyond all bounds", self.torque.name))
     }
 
     /// The values of all names of the formula at joint `j`; nothing where it does not act there.
-    fn names(&self, j: usize, variables: [f64; COUNT]) -> Option<[f64; COUNT + MOST_COEFFICIENTS]> {
+    fn names(&self, j: usize, at: JointInstant) -> Option<[f64; MOST_VARIABLES + MOST_COEFFICIENTS]> {
         let torque = &*self.torque;
         let place = torque.joints.get(j).copied().flatten()?;
-        let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
-        names[..COUNT].copy_from_slice(&variables);
-        torque.layout.fill(&self.values, place, &mut names[COUNT..COUNT + torque.layout.coefficients()]);
+        let mut names = [0.0; MOST_VARIABLES + MOST_COEFFICIENTS];
+        names[..MOST_VARIABLES].copy_from_slice(&[at.q, at.dq, at.t, at.command]);
+        // Without a command, coefficients stand in its place.
+        let (first, end) = (torque.variables, torque.variables + torque.layout.coefficients());
+        torque.layout.fill(&self.values, place, &mut names[first..end]);
         Some(names)
     }
 }
@@ -250,12 +299,36 @@ mod tests {
     const CABLE: &str = "sentence = \"a cable turns the joint\"\nacts = \"joint\"\nformula = \"k*sin(q_rad)\"\njoints = [\"b\", \"a\"]\n\
                          per_direction = [\"k\"]\ncoefficients.k = { unit = \"N·m\", absent = 0.0, min = -5.0, max = 5.0 }\n";
 
+    fn turning<'a>(name: &'a str, unit: &'static str) -> JointOf<'a> {
+        JointOf { name, slides: false, command_unit: Some(unit) }
+    }
+
+    /// A torque of 3 N·m/rad times the command; where joints take different ones, its unit is not checked.
+    #[test]
+    fn a_formula_of_the_command_has_the_unit_of_the_commands() {
+        let of = |unit: &str, joints: &[JointOf]| {
+            let text = format!(
+                "sentence = \"s\"\nacts = \"joint\"\nformula = \"k*command\"\n\
+                 coefficients.k = {{ unit = \"{unit}\", absent = 0.0, min = -5.0, max = 5.0 }}\n"
+            );
+            JointTorque::of_robot("it", &candidate(&text), Some(joints))
+        };
+        let (one, other) = (turning("a", "rad"), turning("b", "V"));
+        let applied = AppliedTorque::new(&Arc::new(of("N·m/rad", &[one]).unwrap()), &[3.0]);
+        assert_eq!(applied.torque(0, JointInstant { t: 9.0, q: 8.0, dq: 7.0, command: 0.5 }), 1.5);
+        assert_eq!(of("N·m/rad", &[other]).unwrap_err().key, "formula");
+        assert!(of("N·m/V", &[other]).is_ok() && of("N·m/V", &[one, other]).is_ok());
+        let arm = CABLE.replace("k*sin(q_rad)", "k*command");
+        assert_eq!(JointTorque::of_arm("cable", &candidate(&arm), None).unwrap_err().key, "formula");
+    }
+
     #[test]
     fn each_named_joint_has_its_own_numbers() {
         let joints = ["a", "b", "c"].map(str::to_owned);
         let torque = Arc::new(JointTorque::of_arm("cable", &candidate(CABLE), Some(&joints)).unwrap());
         let applied = AppliedTorque::new(&torque, &[2.0, 3.0]);
-        let at = |j: usize| applied.torque(j, 0.0, std::f64::consts::FRAC_PI_2, 0.0);
+        let quarter = JointInstant { t: 0.0, q: std::f64::consts::FRAC_PI_2, dq: 0.0, command: 0.0 };
+        let at = |j: usize| applied.torque(j, quarter);
         assert_eq!((at(0), at(1), at(2)), (3.0, 2.0, 0.0));
     }
 
@@ -267,9 +340,9 @@ mod tests {
                 "sentence = \"s\"\nacts = \"joint\"\nformula = \"{formula}\"\n{more}\n\
                  coefficients.k = {{ unit = \"N·m\", absent = 0.0, min = -5.0, max = 5.0 }}\n"
             );
-            let torque = JointTorque::of_robot("it", &candidate(&text), Some(&[("a", false)])).unwrap();
+            let torque = JointTorque::of_robot("it", &candidate(&text), Some(&[turning("a", "rad")])).unwrap();
             let applied = AppliedTorque::new(&Arc::new(torque), &[3.0]);
-            move |q: f64| applied.sides(0, 0.0, q, 2.0)
+            move |q: f64| applied.sides(0, JointInstant { t: 0.0, q, dq: 2.0, command: 0.5 })
         };
         assert_eq!(of("k*sign(dq_rad_s)", "")(0.5), (3.0, -3.0));
         assert_eq!(of("k*(sign(dq_rad_s) + sign(q_rad))", "")(0.5), (6.0, 0.0));

@@ -5,7 +5,8 @@ use tunenet_core::simulator::Effect;
 use super::effects::RobotEffect;
 use super::imperfect::Imperfect;
 use super::trajectory::Trajectory;
-use crate::formula_effect::joint::AppliedTorque;
+use super::wiring::Wire;
+use crate::formula_effect::joint::{AppliedTorque, JointInstant};
 use crate::formula_effect::{Acts, FormulaEffect};
 
 /// The effect.
@@ -45,46 +46,62 @@ fn is_there(effect: &Effect, values: &[f64]) -> bool {
     switches.peek().is_none() || switches.any(|(c, value)| *value != c.absent)
 }
 
-/// What the formulas ask of joint `j` at this instant, position and speed: the torque that the motion needs more in either direction, and
-/// half of what jumps when it turns, which holds the joint as dry friction does.
+/// What the formulas ask of joint `j`: the torque that the motion needs more in either direction, and half of what jumps when it turns, which
+/// holds the joint as dry friction does.
 ///
 /// # Errors
 /// Where that is not finite.
 #[inline]
-pub(super) fn asked(formulas: &[AppliedTorque], j: usize, t: f64, q: f64, dq: f64) -> Result<(f64, f64), &'static str> {
+pub(super) fn asked(formulas: &[AppliedTorque], j: usize, at: JointInstant) -> Result<(f64, f64), &'static str> {
     if formulas.is_empty() {
         return Ok((0.0, 0.0));
     }
     let (torque, rubbing) = formulas.iter().fold((0.0, 0.0), |(torque, rubbing), one| {
-        let (forward, backward) = one.sides(j, t, q, dq);
+        let (forward, backward) = one.sides(j, at);
         (torque + 0.5 * (forward + backward), rubbing + 0.5 * (forward - backward))
     });
     // Friction would hold a joint that a torque without a value acts on.
     if f64::is_finite(torque + rubbing) { Ok((torque, rubbing)) } else { Err("a formula has no finite value") }
 }
 
-/// Which formula has no finite value on a trajectory, and when.
-pub(super) fn undefined(formulas: &[AppliedTorque], out: &Trajectory) -> Option<String> {
+/// The commands of every step of a trajectory, shape `[step][joint]`, by wires that nothing was read from.
+fn commands(mut wires: Vec<Wire>, out: &Trajectory) -> Vec<Vec<f64>> {
+    let step = |k: usize| wires.iter_mut().map(|wire| wire.step(out.time(k), out.time(k + 1)).goal).collect();
+    (0..out.steps()).map(step).collect()
+}
+
+/// Which formula has no finite value on a trajectory, and when; its commands come by these wires, from which nothing was read.
+pub(super) fn undefined(formulas: &[AppliedTorque], wires: Vec<Wire>, out: &Trajectory) -> Option<String> {
+    let commands = commands(wires, out);
     let at = |k: usize, j: usize| {
         let (q, w) = out.state_at(k, j);
-        let middle = (out.time(k) + 0.5 * out.step_s, q + 0.5 * out.step_s * w, w);
+        let half = 0.5 * out.step_s;
+        let middle = JointInstant { t: out.time(k) + half, q: q + half * w, dq: w, command: commands[k][j] };
         let part = formulas.iter().find_map(|one| one.undefined(j, middle))?;
         Some(format!("{part} at {:.6} s", out.time(k)))
     };
     (0..out.steps()).find_map(|k| (0..out.joints()).find_map(|j| at(k, j)))
 }
 
-/// Which formula has a pole on a trajectory, and when.
-pub(super) fn pole(formulas: &[AppliedTorque], out: &Trajectory) -> Option<String> {
+/// Which formula has a pole on a trajectory, and when; its commands come by `wires`, from which nothing was read.
+pub(super) fn pole<'a>(
+    formulas: &[AppliedTorque],
+    wires: impl FnOnce() -> Vec<Wire<'a>>,
+    out: &Trajectory,
+) -> Option<String> {
     let dividing: Vec<&AppliedTorque> = formulas.iter().filter(|one| one.divides()).collect();
+    if dividing.is_empty() {
+        return None;
+    }
+    let commands = commands(wires(), out);
+    let last = commands.len() - 1;
     let at = |k: usize, j: usize| {
-        let (q, w) = out.state_at(k, j);
-        (out.time(k), q, w)
+        let (q, dq) = out.state_at(k, j);
+        JointInstant { t: out.time(k), q, dq, command: commands[k.min(last)][j] }
     };
     let passed = |k: usize, j: usize| {
         let part = dividing.iter().find_map(|one| one.pole(j, at(k, j), at(k + 1, j)))?;
         Some(format!("{part} at {:.6} s", out.time(k)))
     };
-    let steps = if dividing.is_empty() { 0 } else { out.steps() };
-    (0..steps).find_map(|k| (0..out.joints()).find_map(|j| passed(k, j)))
+    (0..out.steps()).find_map(|k| (0..out.joints()).find_map(|j| passed(k, j)))
 }

@@ -9,7 +9,7 @@ use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
 use crate::arm::{CompositeBodies, Model, Recursion};
-use crate::formula_effect::joint::AppliedTorque;
+use crate::formula_effect::joint::{AppliedTorque, JointInstant};
 
 /// The weight and the products of speeds are taken at the middle of a step, whose end is not known at first: so often they are renewed.
 const PASSES: usize = 2;
@@ -128,7 +128,8 @@ impl<'a> Chain<'a> {
             let mut renewed = pass == 0;
             for (j, joint) in self.joints.iter().enumerate() {
                 let (place, measured, middle) = (self.place[j], self.measured[j], self.middle[j]);
-                let (needed, rubbing) = asked(self.formulas, j, t + 0.5 * dt, measured, middle)?;
+                let at = JointInstant { t: t + 0.5 * dt, q: measured, dq: middle, command: commands[j].goal };
+                let (needed, rubbing) = asked(self.formulas, j, at)?;
                 let outside = -self.bias[j] + joint.preload - joint.spring * place - needed;
                 let before = self.motors[j].braking;
                 self.motors[j] = motor(joint, commands[j], measured, middle);

@@ -124,29 +124,30 @@ impl Rollouts for RobotModel {
             let of = |place: Option<usize>| place.and_then(|place| inputs.get(place));
             Wire::new(joint, of(wiring.command), of(wiring.enable), run.recording.start_s)
         };
-        let mut wires: Vec<Wire> = joints.iter().zip(&self.layout.wiring).map(wire).collect();
+        let wires = || -> Vec<Wire> { joints.iter().zip(&self.layout.wiring).map(wire).collect() };
+        let mut read = wires();
         let formulas = imperfect.arm.formulas.as_slice();
         let elastic = joints.iter().any(|joint| joint.gap > 0.0 || joint.compliance > 0.0);
         let rolled: RolloutResult = match (joints.as_slice(), rig.load(&imperfect)) {
             ([joint], Some(load)) if elastic => {
-                two_masses::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out).map_err(Into::into)
+                two_masses::roll((joint, &load, formulas), &mut read[0], (q[0], w[0]), &mut out).map_err(Into::into)
             }
             ([joint], Some(load)) => {
                 if load.inertia + joint.armature <= 0.0 {
                     return Err("the joint has no inertia: its armature or its link needs some".into());
                 }
-                one_joint::roll((joint, &load, formulas), &mut wires[0], (q[0], w[0]), &mut out).map_err(Into::into)
+                one_joint::roll((joint, &load, formulas), &mut read[0], (q[0], w[0]), &mut out).map_err(Into::into)
             }
             _ if elastic => return Err("backlash and elasticity are simulated at a single joint only".into()),
             _ => {
                 let (world, gravity) = rig.world(&imperfect);
-                chain::roll((&joints, &world, gravity, formulas), &mut wires, (&q, &w), &mut out).map_err(Into::into)
+                chain::roll((&joints, &world, gravity, formulas), &mut read, (&q, &w), &mut out).map_err(Into::into)
             }
         };
         if let Err(why) = rolled {
-            return Err(undefined(formulas, &out).map_or(why, Into::into));
+            return Err(undefined(formulas, wires(), &out).map_or(why, Into::into));
         }
-        if let Some(why) = pole(formulas, &out) {
+        if let Some(why) = pole(formulas, wires, &out) {
             return Err(why.into());
         }
         let readout = Readout { delay_s: imperfect.reading_delay_s, latch_s: imperfect.latch_s };

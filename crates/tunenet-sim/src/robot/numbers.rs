@@ -20,6 +20,20 @@ impl Drive {
     /// As a file has it.
     pub const WORDS: &'static [&'static str] = &["position", "velocity", "torque", "voltage"];
 
+    /// The unit of the command of a joint that turns, or that slides.
+    #[must_use]
+    pub fn command_unit(self, slides: bool) -> &'static str {
+        match (self, slides) {
+            (Self::Position, false) => "rad",
+            (Self::Position, true) => "m",
+            (Self::Velocity, false) => "rad/s",
+            (Self::Velocity, true) => "m/s",
+            (Self::Torque, false) => "N·m",
+            (Self::Torque, true) => "N",
+            (Self::Voltage, _) => "V",
+        }
+    }
+
     /// Whether a controller of the firmware sets the duty.
     #[must_use]
     pub fn has_duty(self) -> bool {

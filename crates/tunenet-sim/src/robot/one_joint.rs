@@ -17,7 +17,7 @@ use super::friction_cone::speed_after;
 use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
-use crate::formula_effect::joint::AppliedTorque;
+use crate::formula_effect::joint::{AppliedTorque, JointInstant};
 
 /// A rigid load behind one joint: its inertia is constant and its weight a sine of the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,8 +124,10 @@ pub(super) fn roll(
         let middle = q + 0.5 * dt * w;
         let weight = outside(joint, load, middle);
         let demand = joint.demand(command.goal, middle);
+        let t = out.time(k) + 0.5 * dt;
+        let instant = |speed: f64| JointInstant { t, q: middle, dq: speed, command: command.goal };
         let advance = |speed: f64| -> Result<_, &'static str> {
-            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed)?;
+            let (torque, rubbing) = asked(formulas, 0, instant(speed))?;
             let outside = weight - torque;
             let momentum = inertia * w + dt * outside;
             let step = Step { joint, mass: inertia, momentum, outside, rubbing, speed: w, step_s: dt };

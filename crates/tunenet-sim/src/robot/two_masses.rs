@@ -8,7 +8,7 @@ use super::numbers::{JointNumbers, Motor};
 use super::one_joint::{Load, PASSES, Step, outside};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
-use crate::formula_effect::joint::AppliedTorque;
+use crate::formula_effect::joint::{AppliedTorque, JointInstant};
 
 /// Stiffness of a gear whose compliance is not stated, N·m/rad: far above what encoders resolve, and stable at steps of 1 ms.
 const STIFF: f64 = 3000.0;
@@ -69,8 +69,10 @@ pub(super) fn roll(
         };
         let shared = coupled / (load.inertia + coupled);
         let demand = joint.demand(command.goal, middle);
+        let t = out.time(k) + 0.5 * dt;
+        let instant = |speed: f64| JointInstant { t, q: middle, dq: speed, command: command.goal };
         let advance = |speed: f64| -> Result<_, &'static str> {
-            let (torque, rubbing) = asked(formulas, 0, out.time(k) + 0.5 * dt, middle, speed)?;
+            let (torque, rubbing) = asked(formulas, 0, instant(speed))?;
             let outside = weight - torque;
             let link = load.inertia * w + dt * outside;
             let step = Step {

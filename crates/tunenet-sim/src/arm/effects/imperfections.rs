@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::formula_effect::joint::AppliedTorque;
+use crate::formula_effect::joint::{AppliedTorque, JointInstant};
 
 /// Speed at which dry friction has found its sign, rad/s: tanh(dq / SLIDING). A measured speed is never exactly 0, and
 /// a sign that flickers with its noise would be noise itself.
@@ -90,7 +90,8 @@ impl Imperfections {
             let near_rest = self.stribeck_nm[j] * (-(dq / self.stribeck_rad_s[j]).powi(2)).exp();
             torque += (self.coulomb_nm[j] + near_rest) * (dq / SLIDING_RAD_S).tanh();
         }
-        torque += self.formulas.iter().map(|one| one.torque(j, t, q, dq)).sum::<f64>();
+        let at = JointInstant { t, q, dq, command: 0.0 };
+        torque += self.formulas.iter().map(|one| one.torque(j, at)).sum::<f64>();
         self.gain[j] * torque + self.bias_nm[j]
     }
 }

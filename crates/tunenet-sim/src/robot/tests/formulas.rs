@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::formula_effect::FormulaEffect;
+use crate::formula_effect::joint::JointOf;
 use crate::formula_effect::tests::candidate;
 
 /// A formula of these joints, with coefficients `a` and, where it is there, `b`.
-fn formula(text: &str, more: &str, joints: &[(&str, bool)]) -> Acting {
+fn formula(text: &str, more: &str, joints: &[JointOf]) -> Acting {
     let one = |key: &&str| format!("coefficients.{key} = {{ min = -9.0, max = 9.0, absent = 0.0, unit = \"?\" }}");
     let coefficients: Vec<String> = ["a", "b"].iter().filter(|key| text.contains(**key)).map(one).collect();
     let coefficients = coefficients.join("\n");
@@ -13,7 +14,11 @@ fn formula(text: &str, more: &str, joints: &[(&str, bool)]) -> Acting {
     Acting::Formula(Box::new(FormulaEffect::of_robot("own", &candidate(&text), Some(joints)).unwrap()))
 }
 
-const HINGE: [(&str, bool); 1] = [("hinge", false)];
+const fn joint(name: &'static str, slides: bool) -> JointOf<'static> {
+    JointOf { name, slides, command_unit: Some("rad") }
+}
+
+const HINGE: [JointOf; 1] = [joint("hinge", false)];
 
 /// A free rotor of 0.05 kg·m² with a formula, from 0.3 rad at rest.
 fn rotor(text: &str, more: &str, values: &[f64], step_s: f64) -> Vec<f64> {
@@ -54,6 +59,31 @@ fn what_jumps_as_the_motion_turns_holds_the_joint() {
     }
 }
 
+/// J q'' = −a c for a command c of 0.4, to which a free rotor does not listen otherwise: from rest, q = q0 − a c t²/(2 J).
+#[test]
+fn a_formula_of_the_command_reads_it_at_every_step() {
+    let joint = JointNumbers { armature: 0.05 - 1e-9, ..JointNumbers::free(Drive::Torque) };
+    let mut robot = pendulum(0.0, 0.1, joint, &[], 0.001);
+    robot.layout.effects.push(formula("a*command", "", &HINGE));
+    let inputs = || vec![command(|_| 0.4), command(|_| 0.0)];
+    let found = rolled(&robot, inputs(), &[0.3, 0.0], &[0.02], &clock(2.0));
+    let exact: Vec<f64> = clock(2.0).iter().map(|t| 0.3 - 0.02 * 0.4 * t * t / (2.0 * 0.05)).collect();
+    let error = root_mean_square(&found, &exact);
+    assert!(error < 1e-9, "{error}");
+}
+
+/// A command that passes 0 is a pole of its inverse.
+#[test]
+fn a_division_by_the_command_is_refused_where_it_passes_zero() {
+    let mut robot = pendulum(0.5, 0.12, servo(), &[], 0.001);
+    robot.layout.effects.push(formula("a/command", "", &HINGE));
+    let inputs = |from: f64| vec![command(move |t| from - t), on_until(4.0)];
+    let run = |from: f64| tried(&robot, inputs(from), &[0.1, 0.0], &[0.01], &clock(2.0));
+    let why = run(1.0).unwrap_err();
+    assert!(why.contains("`a/command` in `candidates.own.formula` grows beyond all bounds at 0.999"), "{why}");
+    assert!(run(5.0).is_ok());
+}
+
 /// `along = ["dq"]` is dry friction of that size.
 #[test]
 fn a_formula_along_the_motion_is_coulomb_friction() {
@@ -74,7 +104,7 @@ fn a_formula_along_the_motion_is_coulomb_friction() {
 /// The same spring and friction as effects of the catalogue, at the second joint of two and behind a compliant gear.
 #[test]
 fn chains_and_gears_have_the_same_formulas() {
-    let both = [("j1", false), ("j2", false)];
+    let both = [joint("j1", false), joint("j2", false)];
     let inputs = || vec![command(|t| (2.0 * t).sin()), command(|t| (3.0 * t).sin()), on_until(5.0)];
     let start = [0.1, 0.0, 0.0, 0.0];
     let mut written = robot(arm(DOUBLE), Vec::new(), vec![servo(); 2], &[], 0.001);
@@ -96,14 +126,14 @@ fn chains_and_gears_have_the_same_formulas() {
 
 #[test]
 fn a_slide_has_its_own_variables_and_gives_a_force() {
-    let of = |text: &str, gives: &str, joints: &[(&str, bool)]| {
+    let of = |text: &str, gives: &str, joints: &[JointOf]| {
         let text = format!(
             "sentence = \"s\"\nacts = \"joint\"\nformula = \"{text}\"\n{gives}\n\
              coefficients.a = {{ min = -9.0, max = 9.0, absent = 0.0, unit = \"N/m\" }}\n"
         );
         FormulaEffect::of_robot("own", &candidate(&text), Some(joints)).map_err(|misfit| (misfit.key, misfit.expected))
     };
-    let slide = [("rail", true), ("hinge", false)];
+    let slide = [joint("rail", true), joint("hinge", false)];
     assert!(of("a*q_m", "gives = \"n\"", &slide).is_ok());
     assert_eq!(of("a*q_m", "", &slide).unwrap_err().0, "formula");
     assert_eq!(of("a*q_m", "gives = \"n\"", &HINGE).unwrap_err(), ("gives".into(), "\"nm\"".into()));

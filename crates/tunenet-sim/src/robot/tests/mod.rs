@@ -91,11 +91,22 @@ fn on_until(time_s: f64) -> Input {
 
 /// All positions at these instants.
 fn rolled(robot: &RobotModel, inputs: Vec<Input>, start: &[f64], coefficients: &[f64], times_s: &[f64]) -> Vec<f64> {
+    tried(robot, inputs, start, coefficients, times_s).unwrap()
+}
+
+/// The same, or why there are none.
+fn tried(
+    robot: &RobotModel,
+    inputs: Vec<Input>,
+    start: &[f64],
+    coefficients: &[f64],
+    times_s: &[f64],
+) -> Result<Vec<f64>, String> {
     let recording = Circumstances::driven_by(inputs);
     let run = Run { numbers: &[], parameters: &[], coefficients, recording: &recording, start, times_s };
     let mut values = vec![0.0; times_s.len() * start.len() / 2];
-    robot.simulate(&run, &mut values).unwrap();
-    values
+    robot.simulate(&run, &mut values).map_err(|why| why.to_string())?;
+    Ok(values)
 }
 
 fn clock(seconds: f64) -> Vec<f64> {
