@@ -9,6 +9,7 @@
 //! | `signal` | a sampled command: its exact mean over a step, also behind a rate limiter |
 //! | `wiring` | how a command reaches the motor |
 //! | `numbers` | a joint with its motor: duty, torque, friction |
+//! | `near_sine` | the sine of an angle that moves little from step to step |
 //! | `friction_cone` | a step of a mass with dry friction, exact where it sticks |
 //! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
 //! | `trajectory` | a rollout on its grid, and how it is read |
@@ -36,6 +37,7 @@ pub(crate) mod imperfect;
 pub(crate) mod layout;
 mod limits;
 mod model;
+mod near_sine;
 pub(crate) mod numbers;
 mod observable_scale;
 mod observable_zero;

@@ -14,6 +14,7 @@
 
 use super::acting::asked;
 use super::friction_cone::speed_after;
+use super::near_sine::NearSine;
 use super::numbers::{Command, JointNumbers, Motor};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
@@ -32,19 +33,27 @@ pub(crate) struct Load {
     pub phase: f64,
 }
 
-impl Load {
-    /// The torque of the weight at a position.
-    #[inline]
-    pub fn torque(&self, q: f64) -> f64 {
-        if self.amplitude == 0.0 { self.constant } else { self.constant - self.amplitude * (q + self.phase).sin() }
-    }
+/// What the weight and springs do to a joint.
+#[derive(Debug)]
+pub(super) struct WeightAndSprings<'a> {
+    joint: &'a JointNumbers,
+    load: &'a Load,
+    sine: NearSine,
 }
 
-/// What the weight and springs do at the middle of a step.
-#[inline]
-pub(super) fn outside(joint: &JointNumbers, load: &Load, q: f64) -> f64 {
-    let true_q = q + joint.zero;
-    load.torque(true_q) + joint.preload - joint.spring * true_q
+impl<'a> WeightAndSprings<'a> {
+    pub fn new(joint: &'a JointNumbers, load: &'a Load) -> Self {
+        Self { joint, load, sine: NearSine::new(0.0) }
+    }
+
+    /// Their torque at a position.
+    #[inline]
+    pub fn torque(&mut self, q: f64) -> f64 {
+        let (joint, load) = (self.joint, self.load);
+        let true_q = q + joint.zero;
+        let swinging = if load.amplitude == 0.0 { 0.0 } else { load.amplitude * self.sine.sin(true_q + load.phase) };
+        load.constant - swinging + joint.preload - joint.spring * true_q
+    }
 }
 
 /// The speed at the end of a step where the motor's torque is `motor`.
@@ -118,11 +127,12 @@ pub(super) fn roll(
     let passes = if formulas.is_empty() { 1 } else { PASSES };
     let dt = out.step_s;
     let inertia = load.inertia + joint.armature;
+    let mut around = WeightAndSprings::new(joint, load);
     let (mut q, mut w) = (q, w);
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let weight = outside(joint, load, middle);
+        let weight = around.torque(middle);
         let demand = joint.demand(command.goal, middle);
         let t = out.time(k) + 0.5 * dt;
         let instant = |speed: f64| JointInstant { t, q: middle, dq: speed, command: command.goal };

@@ -5,7 +5,7 @@
 
 use super::acting::asked;
 use super::numbers::{JointNumbers, Motor};
-use super::one_joint::{Load, PASSES, Step, outside};
+use super::one_joint::{Load, PASSES, Step, WeightAndSprings};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
 use crate::formula_effect::joint::{AppliedTorque, JointInstant};
@@ -51,13 +51,14 @@ pub(super) fn roll(
         (STIFF, EULER)
     };
     // The motor stands on the side that carries the weight at rest.
-    let weight = outside(joint, load, q);
+    let mut around = WeightAndSprings::new(joint, load);
+    let weight = around.torque(q);
     let mut twist = if weight == 0.0 { 0.0 } else { -weight.signum() * 0.5 * joint.gap - weight / stiffness };
     let (mut q, mut w, mut motor_speed) = (q, w, w);
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let weight = outside(joint, load, middle);
+        let weight = around.torque(middle);
         let ahead = twist + dt * (motor_speed - w);
         let touching = ahead.abs() > 0.5 * joint.gap;
         // Impulse of the spring: pressed + coupled · (motor speed − link speed) after the step.
