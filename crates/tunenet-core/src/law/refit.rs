@@ -16,8 +16,9 @@ use crate::estimate::{Fit, GROWING_SHARES, Linearisation, Point, Problem, Rollou
 use crate::simulator::{Parameter, Preparation, Prepared, Simulator};
 use crate::statistics::root_mean_square;
 
-/// How far the bounds of a coefficient reach, in units of what the linear stage found.
+/// How far the bounds of a coefficient reach, in units of what the linear stage found, and at most: a simulation file takes no larger number.
 const REACH: f64 = 40.0;
+const GREATEST: f64 = 1e9;
 /// Steps of a fit to the end.
 const LAST_STEPS: usize = 24;
 /// Steps of one from near its end.
@@ -183,7 +184,8 @@ impl<'a> Session<'a> {
     pub fn carried(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>]) -> Vec<Carried> {
         let each = terms.iter().zip(numbers).enumerate().map(|(i, (term, numbers))| {
             let most = numbers[..term.components].iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-            term.carried(self.host, &response.ranges, i, REACH * if most > 0.0 { most } else { 1e-9 })
+            let reach = (REACH * if most > 0.0 { most } else { 1e-9 }).min(GREATEST);
+            term.carried(self.host, &response.ranges, i, reach)
         });
         each.collect()
     }
