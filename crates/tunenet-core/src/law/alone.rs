@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 
 use super::answer::Member;
 use super::forms::{is_same, nests, rounds_off};
+use super::gates::MOST_HELD_OUT;
 use super::price::{self, WIDER};
 use super::refit::{Law, Session};
 use super::response::Response;
@@ -200,7 +201,13 @@ pub(super) fn undecided(
     let nats = |member: &Member| member.gates.held_out_nats.filter(|_| known).unwrap_or(0.0);
     let support = members.iter().map(|(law, member)| Support::of(session, response, law, nats(member)));
     let support: Vec<Support> = support.collect();
-    let left = kept(members.into_iter().zip(&support).collect(), nearest(&support, None, margin));
+    let fitted = members.iter().map(|(law, _)| Support::of(session, response, law, 0.0));
+    let near_fitted = nearest(&fitted.collect::<Vec<_>>(), None, margin);
+    let ratios: Vec<Option<f64>> = members.iter().map(|(_, member)| member.gates.held_out_ratio).collect();
+    let better = predict_better(&support, &ratios);
+    let near = nearest(&support, None, margin).into_iter().zip(near_fitted).zip(better);
+    let near = near.map(|((near, near_fitted), better)| near || near_fitted && better).collect();
+    let left = kept(members.into_iter().zip(&support).collect(), near);
     let space = session.host.space();
     let unconfirmed = |((large, ahead), _): &((Law, Member), &Support)| {
         let by = |((small, of), _): &((Law, Member), &Support)| {
@@ -220,6 +227,15 @@ pub(super) fn undecided(
         (law, Member { behind_best: best - support.schwarz, ..member })
     };
     left.into_iter().map(behind).collect()
+}
+
+/// Which laws predict held-out recordings, as they stand, far better than the best one by the criterion of Schwarz, whose uncertain constants
+/// explain its errors there: certainty speaks against none of them. The errors are over the noise.
+fn predict_better(all: &[Support], errors: &[Option<f64>]) -> Vec<bool> {
+    let lead = (0..all.len()).max_by(|&a, &b| all[a].schwarz.total_cmp(&all[b].schwarz));
+    let most = lead.and_then(|lead| errors[lead]);
+    let far = |own: &Option<f64>| own.zip(most).is_some_and(|(own, most)| MOST_HELD_OUT * own < most);
+    errors.iter().map(far).collect()
 }
 
 /// Whether held-out recordings are not predicted better by the first; without any there is nothing to say.
@@ -281,6 +297,14 @@ mod tests {
             form: Form::Other,
             visited: true,
         }
+    }
+
+    #[test]
+    fn what_predicts_far_better_as_it_stands_is_no_worse_for_its_certainty() {
+        let all = [support(90.0, 92.0, 1, 1), support(100.0, 102.0, 1, 1), support(80.0, 82.0, 1, 1)];
+        assert_eq!(predict_better(&all, &[Some(1.03), Some(1.22), Some(1.2)]), [true, false, false]);
+        assert_eq!(predict_better(&all, &[Some(1.03), None, Some(1.2)]), [false; 3]);
+        assert!(predict_better(&[], &[]).is_empty());
     }
 
     /// x^-1.5 leads by 11: x⁻¹ exp(-x/c) explains 5 less and has a constant for the exponent that was rounded.
