@@ -51,7 +51,7 @@ fn a_formula_that_fits_no_joint_is_refused_with_its_place() {
     let folder = folder();
     let file = String::from_utf8(folder.read("robot.toml")).unwrap();
     for (from, to, wanted) in [
-        ("c * sin(n * q_rad)", "c * sin(n * q_m)", "expected one of q_rad, dq_rad_s, t_s, c, n, found `q_m`"),
+        ("c * sin(n * q_rad)", "c * sin(n * q_m)", "expected one of q_rad, dq_rad_s, t_s, command, c, n, found `q_m`"),
         ("acts = \"joint\"", "acts = \"flight\"", "`candidates.cogging.acts`: expected \"joint\" for a robot"),
         (
             "acts = \"joint\"",
@@ -61,7 +61,7 @@ fn a_formula_that_fits_no_joint_is_refused_with_its_place() {
         (
             "acts = \"joint\"",
             "acts = \"joint\"\ngives = \"n\"",
-            "expected one of q_m, dq_m_s, t_s, c, n, found `q_rad`",
+            "expected one of q_m, dq_m_s, t_s, command, c, n, found `q_rad`",
         ),
     ] {
         folder.write("own.toml", format!("{file}{}", COGGING.replace(from, to)));
