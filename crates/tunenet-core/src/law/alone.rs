@@ -2,8 +2,9 @@
 //! laws and prefers the simpler one where both explain as much, which is no evidence against the other. Laws of as many factors are
 //! therefore compared by Akaike's criterion as well, and those with as many fitted constants by likelihood alone: which exponent is the
 //! rounder one is no evidence either. What claims more than was visited takes no part in that: a bump of which one flank was seen only, or
-//! less than half a period of an oscillation, is any smooth function that rises. Nor is a law a rival of one that it holds as a special case where it predicts held-out recordings no
-//! better: tens of further factors are tried on the fitted ones, and the best of them gains there by chance (Geisser 1975).
+//! less than half a period of an oscillation, is any smooth function that rises. Nor is a law a rival of one that it holds as a special
+//! case where it predicts held-out recordings no better: tens of further factors are tried on the fitted ones, and the best of them gains
+//! there by chance (Geisser 1975).
 
 use std::f64::consts::PI;
 
