@@ -153,8 +153,8 @@ pub struct Answer {
     pub rival_bic_gain: Option<f64>,
     /// Whether a test on held-out recordings refused the law that is the catalogue's answer.
     pub rival_refused: bool,
-    /// What the best force that decays from a value of its own in each recording gains in the information criterion; `None` where no law
-    /// explains as much as the catalogue's answer, or there is none.
+    /// What the best force that decays from a value of its own in each recording gains in the information criterion; `None` where the
+    /// catalogue's answer leaves more than noise, where no law explains as much, or there is none.
     pub decay_bic_gain: Option<f64>,
     /// How many recordings were held out.
     pub held_out: usize,

@@ -122,6 +122,8 @@ pub struct Settings {
     pub rollouts: Option<usize>,
     /// Effects of the catalogue that compete: those that a diagnosis named, together.
     pub rival: Vec<Named>,
+    /// Whether they leave nothing but noise: then they are compared with a force that decays as well.
+    pub rival_explains: bool,
     /// Where a fit of the simulation to these recordings ended, with the nuisance parameters of each.
     pub known: Option<Point>,
     /// Whether effects that are not fitted here, so that no law can be compared with them, explain the recordings as well.
@@ -130,7 +132,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin: 6.0, rollouts: None, rival: Vec::new(), known: None, apart: false }
+        Self { margin: 6.0, rollouts: None, rival: Vec::new(), rival_explains: false, known: None, apart: false }
     }
 }
 
@@ -211,7 +213,8 @@ fn conclude(
     let best = found.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     answer.left.1 = found.first().map_or(answer.left.0, |law| rms(&law.fit.residuals, session.colour));
     // What is compared with effects of the catalogue is measured about a law that explains as much.
-    let near_known = found.first().zip(known).filter(|(law, known)| law.bic >= known.most - settings.margin);
+    let is_near = |(law, known): &(&Law, &Rival)| law.bic >= known.most - settings.margin;
+    let near_known = found.first().zip(known).filter(|both| settings.rival_explains && is_near(both));
     answer.decay_bic_gain = near_known.and_then(|(law, _)| decay::bic_gain(session, around, law));
     // An effect of the catalogue was known before the data were seen: what it explains better is no law.
     let best = answer.rival_bic_gain.map_or(best, |gain| best.max(gain));

@@ -83,13 +83,14 @@ fn searched(
     }
     let effects = diagnosis.effects();
     let competes = effects.iter().all(|one| base.with_effects(&[one.effect.name.as_ref()]).is_ok());
-    let apart = !competes && adequate(diagnosis);
+    let rival_explains = adequate(diagnosis);
+    let apart = !competes && rival_explains;
     let mut rival: Vec<Named> = if competes { effects.iter().map(named).collect() } else { Vec::new() };
     // In the order in which a simulator takes their coefficients.
     let of_measurement = measurement_effects(kind);
     rival.sort_by_key(|one| of_measurement.iter().any(|effect| effect.name == one.name));
     let known = known(diagnosis, base.parameters(), &fitted);
-    let settings = Settings { rival, apart, known, ..Settings::default() };
+    let settings = Settings { rival, rival_explains, apart, known, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();

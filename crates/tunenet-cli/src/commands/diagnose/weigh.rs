@@ -12,7 +12,7 @@ use crate::answers::law::Law;
 pub fn weighed(diagnosis: Diagnosis, law: Option<&Law>) -> Diagnosis {
     let Some(found) = law.and_then(|law| law.found.as_ref().ok()) else { return diagnosis };
     let gains = found.answer.decay_bic_gain.zip(found.answer.rival_bic_gain);
-    if adequate(&diagnosis) && gains.is_some_and(|(decays, named)| decays > named + Settings::default().margin) {
+    if gains.is_some_and(|(decays, named)| decays > named + Settings::default().margin) {
         return diagnosis.doubted(Doubt::DecayingForce);
     }
     if found.answer.verdict != law::Verdict::Unknown {
