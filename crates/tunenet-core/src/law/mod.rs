@@ -101,7 +101,7 @@ const LEAST_RECORDINGS: usize = 4;
 /// Most laws that are tested.
 const MOST_JUDGED: usize = 16;
 /// Rollouts that are allowed for each recording, and the share of them that the search may use before its tests.
-const ROLLOUTS: usize = 3_100;
+const ROLLOUTS: usize = 3_000;
 const SEARCH_SHARE: f64 = 0.85;
 
 /// An effect of the catalogue that a diagnosis named.
