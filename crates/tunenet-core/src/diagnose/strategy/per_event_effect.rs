@@ -30,9 +30,7 @@ impl Refinement for PerEventEffect {
         let Some(effects) = leading_effects(&attempt.context, &mut attempt.found, adequate)? else {
             return Ok(attempt);
         };
-        let rival = fit_per_recording(&attempt.context, &attempt.found.base, How::Search, progress)?;
-        let near = effects.gain - attempt.context.settings.margin;
-        attempt.per_recording = rival.filter(|fits| fits.adequate && fits.gain > near);
+        let before = attempt.context.clone();
         attempt.context = admit(&attempt.context, &effects)?;
         attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
         attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
@@ -44,6 +42,12 @@ impl Refinement for PerEventEffect {
             attempt.context = attempt.context.with_evidence(evidence);
             attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
             attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
+        }
+        // What leaves more than noise is no answer, whatever else explains as much.
+        if attempt.residuals.passed() {
+            let rival = fit_per_recording(&before, &attempt.found.base, How::Search, progress)?;
+            let near = effects.gain - before.settings.margin;
+            attempt.per_recording = rival.filter(|fits| fits.adequate && fits.gain > near);
         }
         Ok(attempt)
     }
