@@ -106,25 +106,25 @@ impl Around {
 }
 
 impl Session<'_> {
-    /// Fits of candidates, a few at a time, until the search has used its share of the rollouts.
-    pub fn fits(&self, around: &Around, candidates: &[Candidate], steps: usize) -> Vec<Law> {
+    /// Fits of candidates with so many steps and measured derivatives, a few at a time, until the search has used its share of the rollouts.
+    pub fn fits(&self, around: &Around, candidates: &[Candidate], effort: (usize, usize)) -> Vec<Law> {
         let mut found = Vec::new();
         for few in candidates.chunks(AT_A_TIME) {
             if !self.within() {
                 self.short.store(true, Ordering::Relaxed);
                 break;
             }
-            found.par_extend(few.par_iter().filter_map(|candidate| self.fit(around, candidate, steps)));
+            found.par_extend(few.par_iter().filter_map(|candidate| self.fit(around, candidate, effort)));
         }
         found
     }
 
     /// Fits a candidate of a linear search; nothing where the simulator refuses it.
-    pub fn fit(&self, around: &Around, candidate: &Candidate, steps: usize) -> Option<Law> {
+    pub fn fit(&self, around: &Around, candidate: &Candidate, effort: (usize, usize)) -> Option<Law> {
         let (terms, numbers) = (&candidate.terms, &candidate.numbers);
-        let led = around.start(self, candidate).ok().and_then(|start| self.from(around, terms, numbers, start, steps));
+        let led = around.start(self, candidate).ok().and_then(|start| self.from(around, terms, numbers, start, effort));
         // A linearisation that reaches too far ends in a refusal; the values where it was made do not.
-        led.or_else(|| self.from(around, terms, numbers, around.point.clone(), steps))
+        led.or_else(|| self.from(around, terms, numbers, around.point.clone(), effort))
     }
 
     /// Fits terms from these numbers, and the base model's values from those of `start`.
@@ -134,10 +134,10 @@ impl Session<'_> {
         terms: &[Term],
         numbers: &[Vec<f64>],
         start: Point,
-        steps: usize,
+        effort: (usize, usize),
     ) -> Option<Law> {
         let first = self.base.point.parameters.len();
         let known = around.known(first, terms, numbers);
-        self.fitted(&around.response, (terms, numbers), start, Some(&known), (steps, 1))
+        self.fitted(&around.response, (terms, numbers), start, Some(&known), effort)
     }
 }

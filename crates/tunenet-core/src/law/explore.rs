@@ -14,8 +14,8 @@ use super::term::Term;
 
 /// How many laws are simplified.
 const SIMPLIFIED: usize = 6;
-/// Steps of rivals.
-const RIVAL_STEPS: usize = 6;
+/// Steps and measured derivatives of rivals.
+const RIVAL_EFFORT: (usize, usize) = (6, 1);
 /// How often the best law is fitted on, and which gain ends that.
 const SETTLED: usize = 4;
 const ENOUGH: f64 = 0.1;
@@ -72,7 +72,7 @@ pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<
         let kin: Vec<Candidate> = kin.into_iter().filter(|c| !known(c, &rivals) && !fitted(c)).collect();
         rivals.extend(kin);
         about = Some(best);
-        laws.extend(session.fits(&around, &rivals, RIVAL_STEPS));
+        laws.extend(session.fits(&around, &rivals, RIVAL_EFFORT));
         laws = distinct(ranked(laws));
     }
     let few = if session.within() { SIMPLIFIED } else { 0 };

@@ -47,7 +47,7 @@ pub(super) fn second(session: &Session, around: &Around, singles: &[Candidate], 
     let alone = Search::new(session.host.space(), response);
     let pairs = alone.pairs(&singles[..singles.len().min(PAIRED)]);
     let begun: Vec<Candidate> = more.into_iter().chain(pairs.into_iter().take(PAIRS)).collect();
-    let mut found = session.fits(around, &begun, STEPS);
+    let mut found = session.fits(around, &begun, (STEPS, 1));
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
     let best = found.into_iter().take(2).map(|law| simplify(session, around, law));
     best.filter(|law| law.score > first.score + LEAST_GAIN).collect()

@@ -25,7 +25,7 @@ pub(super) fn simplify(session: &Session, around: &Around, law: Law) -> Law {
     for _ in 0..MOST {
         let tried = simpler(session.host.space(), &around.response, &best);
         let start = &best.fit.point;
-        let fits = tried.iter().filter_map(|c| session.from(around, &c.terms, &c.numbers, start.clone(), STEPS));
+        let fits = tried.iter().filter_map(|c| session.from(around, &c.terms, &c.numbers, start.clone(), (STEPS, 1)));
         let Some(found) = fits.max_by(|a, b| a.score.total_cmp(&b.score)).filter(|f| f.score > best.score) else {
             break;
         };
