@@ -17,13 +17,13 @@ const SHARES: [f64; 10] = [0.1, 0.15, 0.22, 0.33, 0.5, 0.75, 1.1, 1.7, 2.5, 4.0]
 /// Rounds in which the values of the recordings and their common direction are fitted in turn.
 const ROUNDS: usize = 4;
 
-/// A force that decays: its factors with their constants inside.
-struct Form {
+/// What a decay multiplies: factors with their constants inside.
+struct Amplitude {
     factors: Vec<Factor>,
     inner: Vec<f64>,
 }
 
-impl Form {
+impl Amplitude {
     const CONSTANT: Self = Self { factors: Vec::new(), inner: Vec::new() };
 }
 
@@ -46,7 +46,7 @@ pub(super) fn bic_gain(session: &Session, near: &Around, law: &Law) -> Option<f6
     let rivals = Rivals::new(session, &around.response, law)?;
     let space = session.host.space();
     let number = (around.response.count as f64).ln();
-    let forms: Vec<Form> = std::iter::once(Form::CONSTANT).chain(rivals.table(&[])).collect();
+    let forms: Vec<Amplitude> = std::iter::once(Amplitude::CONSTANT).chain(rivals.table(&[])).collect();
     let along = |direction: usize| Term::new(direction, space.directions[direction].components.len(), Vec::new());
     let each = (0..space.directions.len()).into_par_iter().flat_map(|direction| {
         let term = along(direction);
@@ -86,7 +86,7 @@ impl<'a> Rivals<'a> {
 
     /// How far a form in the direction of a term surpasses the law at its best time constant, in twice the logarithmic likelihood less the
     /// price of its own numbers: a value for each recording, a direction, the time constant, and what is inside its factors.
-    fn best(&self, term: &Term, form: &Form, number: f64) -> Option<f64> {
+    fn best(&self, term: &Term, form: &Amplitude, number: f64) -> Option<f64> {
         let response = self.search.response;
         let product = self.search.product(&form.factors, &form.inner);
         let chosen = response.parts.len() + term.components + price::chosen_inside(&form.factors);
@@ -99,26 +99,26 @@ impl<'a> Rivals<'a> {
     }
 
     /// The forms to compare with a term.
-    fn others(&self, term: &Term, numbers: &[f64]) -> Vec<Form> {
+    fn others(&self, term: &Term, numbers: &[f64]) -> Vec<Amplitude> {
         let mut all = Vec::new();
         if !term.factors.is_empty() {
-            all.push(Form::CONSTANT);
+            all.push(Amplitude::CONSTANT);
         }
         if term.factors.len() > 1 {
             let each = term.factors.iter().zip(term.inner(numbers));
-            all.extend(each.map(|(factor, inner)| Form { factors: vec![factor.clone()], inner: inner.to_vec() }));
+            all.extend(each.map(|(factor, inner)| Amplitude { factors: vec![factor.clone()], inner: inner.to_vec() }));
         }
         all.extend(self.table(&term.factors));
         all
     }
 
     /// A form for each factor of the table but these, with every constant of its grid.
-    fn table(&self, but: &[Factor]) -> Vec<Form> {
+    fn table(&self, but: &[Factor]) -> Vec<Amplitude> {
         let own = |factor: &&Factor| but.iter().any(|f| (f.shape, f.variable) == (factor.shape, factor.variable));
         let others = self.search.factors.iter().filter(|factor| !own(factor));
         let each = others.flat_map(|factor| {
             let grid = factor.grid(&self.search.response.ranges[factor.variable]);
-            grid.into_iter().map(|inner| Form { factors: vec![factor.clone()], inner })
+            grid.into_iter().map(|inner| Amplitude { factors: vec![factor.clone()], inner })
         });
         each.collect()
     }
