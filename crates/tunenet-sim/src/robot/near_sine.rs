@@ -6,36 +6,41 @@ const LARGEST_RAD: f64 = 1.0 / 64.0;
 /// After so many differences the sine is computed anew, so that their rounding does not add up.
 const MOST: u32 = 256;
 
-/// Sine and cosine of the last angle.
+/// A multiple of the sine of the last angle, and the same multiple of its cosine.
 #[derive(Debug, Clone)]
 pub(super) struct NearSine {
-    angle: f64,
+    amplitude: f64,
     sin: f64,
     cos: f64,
     differences: u32,
 }
 
 impl NearSine {
-    pub fn new(angle: f64) -> Self {
+    /// `amplitude` times the sine, which begins at an angle in rad.
+    pub fn new(amplitude: f64, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
-        Self { angle, sin, cos, differences: 0 }
+        Self { amplitude, sin: amplitude * sin, cos: amplitude * cos, differences: 0 }
     }
 
-    /// The sine of an angle, in rad.
+    /// Its value at an angle that lies `difference` after the last one, rad.
     #[inline]
-    pub fn sin(&mut self, angle: f64) -> f64 {
-        let d = angle - self.angle;
+    pub fn at(&mut self, angle: f64, difference: f64) -> f64 {
+        let (s, c, d) = (self.sin, self.cos, difference);
         // Written so that an angle that is no number comes out as none.
         if d.abs() <= LARGEST_RAD && self.differences < MOST {
+            // By powers of the difference, added up in pairs, so that no product waits for many others.
             let square = d * d;
-            let sin = d - d * square * (1.0 / 6.0 - square * (1.0 / 120.0));
-            let versine = square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)));
-            let turned = self.sin + (self.cos * sin - self.sin * versine);
-            self.cos -= self.sin * sin + self.cos * versine;
-            (self.sin, self.angle) = (turned, angle);
+            let fourth = square * square;
+            let sixth = square * fourth * (1.0 / 720.0);
+            let near = |value: f64, slope: f64| {
+                let second = value * 0.5 + slope * (1.0 / 6.0) * d;
+                let further = value * (1.0 / 24.0) + slope * (1.0 / 120.0) * d;
+                (value + slope * d) + (fourth * further - square * second) - value * sixth
+            };
+            (self.sin, self.cos) = (near(s, c), near(c, -s));
             self.differences += 1;
         } else {
-            *self = Self::new(angle);
+            *self = Self::new(self.amplitude, angle);
         }
         self.sin
     }
@@ -51,19 +56,21 @@ mod tests {
         let paths: [&dyn Fn(f64) -> f64; 4] =
             [&|t| 2.0 * (3.0 * t).sin(), &|t| 15.0 * t, &|t| 40.0 * t * t, &|t| (500.0 * t).floor() * 0.3];
         for path in paths {
-            let mut near = NearSine::new(path(0.0));
+            let mut last = path(0.0);
+            let mut near = NearSine::new(2.0, last);
             for i in 0..20_000 {
                 let angle = path(f64::from(i) * 1e-3);
-                let (found, exact) = (near.sin(angle), angle.sin());
-                assert!((found - exact).abs() < 2e-14, "{angle}: {found} {exact}");
+                let (found, exact) = (near.at(angle, angle - last), 2.0 * angle.sin());
+                assert!((found - exact).abs() < 4e-14, "{angle}: {found} {exact}");
+                last = angle;
             }
         }
     }
 
     #[test]
     fn what_is_no_angle_has_no_sine() {
-        let mut near = NearSine::new(0.3);
-        assert!(near.sin(f64::NAN).is_nan() && near.sin(f64::INFINITY).is_nan());
-        assert_eq!(near.sin(0.5), 0.5_f64.sin());
+        let mut near = NearSine::new(1.0, 0.3);
+        assert!(near.at(f64::NAN, f64::NAN).is_nan() && near.at(f64::INFINITY, f64::INFINITY).is_nan());
+        assert_eq!(near.at(0.5, f64::NAN), 0.5_f64.sin());
     }
 }

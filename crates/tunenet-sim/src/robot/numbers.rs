@@ -172,7 +172,8 @@ impl JointNumbers {
         match self.drive {
             Drive::Position => {
                 let error = goal + self.command_offset - position;
-                self.gain * self.kp * (error - error.clamp(-self.dead_band, self.dead_band))
+                let idle = if self.dead_band == 0.0 { 0.0 } else { error.clamp(-self.dead_band, self.dead_band) };
+                self.gain * self.kp * (error - idle)
             }
             Drive::Velocity => self.gain * self.kp * goal,
             Drive::Torque => {
@@ -229,11 +230,12 @@ impl JointNumbers {
     /// this much.
     #[inline]
     pub(super) fn friction(&self, speed: f64, carried: f64, added: f64) -> (f64, f64) {
-        let mut level = self.coulomb + added + self.load_friction * carried.abs();
+        let mut level = self.coulomb + added;
         if self.stribeck != 0.0 {
             level += self.stribeck * (-(speed / self.stribeck_speed).powi(2)).exp();
         }
-        ((level + self.directional).max(0.0), (level - self.directional).max(0.0))
+        let by_load = self.load_friction * carried.abs();
+        (((level + self.directional) + by_load).max(0.0), ((level - self.directional) + by_load).max(0.0))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::acting::asked;
 use super::numbers::{JointNumbers, Motor};
-use super::one_joint::{Load, PASSES, Step, WeightAndSprings};
+use super::one_joint::{Load, PASSES, Reciprocal, Step, WeightAndSprings};
 use super::trajectory::Trajectory;
 use super::wiring::Wire;
 use crate::formula_effect::joint::{AppliedTorque, JointInstant};
@@ -51,14 +51,17 @@ pub(super) fn roll(
         (STIFF, EULER)
     };
     // The motor stands on the side that carries the weight at rest.
-    let mut around = WeightAndSprings::new(joint, load);
-    let weight = around.torque(q);
+    let mut around = WeightAndSprings::new(joint, load, q);
+    let weight = around.torque(q, 0.0);
     let mut twist = if weight == 0.0 { 0.0 } else { -weight.signum() * 0.5 * joint.gap - weight / stiffness };
     let (mut q, mut w, mut motor_speed) = (q, w, w);
+    let mut at = q;
+    let mut reciprocal = Reciprocal::new();
     for k in 0..out.steps() {
         let command = wire.step(out.time(k), out.time(k + 1));
         let middle = q + 0.5 * dt * w;
-        let weight = around.torque(middle);
+        let weight = around.torque(middle, middle - at);
+        at = middle;
         let ahead = twist + dt * (motor_speed - w);
         let touching = ahead.abs() > 0.5 * joint.gap;
         // Impulse of the spring: pressed + coupled · (motor speed − link speed) after the step.
@@ -72,20 +75,19 @@ pub(super) fn roll(
         let demand = joint.demand(command.goal, middle);
         let t = out.time(k) + 0.5 * dt;
         let instant = |speed: f64| JointInstant { t, q: middle, dq: speed, command: command.goal };
-        let advance = |speed: f64| -> Result<_, &'static str> {
+        let mut advance = |speed: f64| -> Result<_, &'static str> {
             let (torque, rubbing) = asked(formulas, 0, instant(speed))?;
             let outside = weight - torque;
             let link = load.inertia * w + dt * outside;
             let step = Step {
                 joint,
-                mass: joint.armature + coupled - coupled * shared,
-                momentum: joint.armature * motor_speed - pressed + shared * (link + pressed),
+                mass_by_step: (joint.armature + coupled - coupled * shared) / dt,
+                momentum_by_step: (joint.armature * motor_speed - pressed + shared * (link + pressed)) / dt,
                 outside,
                 rubbing,
                 speed: motor_speed,
-                step_s: dt,
             };
-            let (motor_after, motor) = step.driven(command, demand);
+            let (motor_after, motor) = step.driven(command, demand, &mut reciprocal);
             Ok(((link + pressed + coupled * motor_after) / (load.inertia + coupled), motor_after, motor))
         };
         let (mut after, mut motor_after, mut motor) = (w, 0.0, Motor { torque: 0.0, braking: 0.0, passive: 0.0 });
