@@ -19,19 +19,35 @@ pub(super) struct Signal<'a> {
     delay_s: f64,
     /// How many samples lie at or before the end of the last step.
     at: usize,
-    /// The last piece between two samples that was read: `at` then, its end, and the value there.
-    read: (usize, f64, f64),
+    /// What follows the last of them.
+    piece: Piece,
 }
 
-/// Nothing was read yet: no instant equals this one.
-const UNREAD: (usize, f64, f64) = (0, f64::NAN, 0.0);
+/// A straight piece of a signal, on the clock of its samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Piece {
+    value: f64,
+    /// 1/s.
+    slope: f64,
+    /// Where it has that value.
+    from_s: f64,
+    /// The sample with which it ends.
+    until_s: f64,
+}
+
+impl Piece {
+    #[inline]
+    fn at(&self, time_s: f64) -> f64 {
+        self.value + self.slope * (time_s - self.from_s)
+    }
+}
 
 impl<'a> Signal<'a> {
     /// The first channel of `input`, read from the instant `start_s` on.
     pub fn new(input: &'a Input, start_s: f64, delay_s: f64) -> Self {
         let series = input.series();
         let (clock, values) = (Cow::Borrowed(series.clock()), Cow::Borrowed(series.values()));
-        Self { clock, values, hold: input.hold(), delay_s, at: 0, read: UNREAD }.from(start_s)
+        Self { clock, values, hold: input.hold(), delay_s, at: 0, piece: Piece::default() }.from(start_s)
     }
 
     /// The commands in `input` as the joint takes them: scaled, and clipped to its range.
@@ -70,64 +86,62 @@ impl<'a> Signal<'a> {
 
     /// The same, read from this instant on.
     fn from(mut self, start_s: f64) -> Self {
-        (self.at, self.read) = (self.clock.partition_point(|t| *t + self.delay_s <= start_s), UNREAD);
+        self.at = self.clock.partition_point(|t| *t + self.delay_s <= start_s);
+        self.piece = self.present();
         self
+    }
+
+    /// The piece that begins at the last sample.
+    fn present(&self) -> Piece {
+        let (clock, values, at) = (&*self.clock, &*self.values, self.at);
+        let held = Piece {
+            value: values[at.saturating_sub(1)],
+            slope: 0.0,
+            from_s: 0.0,
+            until_s: clock.get(at).copied().unwrap_or(f64::INFINITY),
+        };
+        if at == 0 || at == clock.len() || self.hold == Hold::Previous {
+            return held;
+        }
+        let slope = (values[at] - values[at - 1]) / (clock[at] - clock[at - 1]);
+        Piece { slope, from_s: clock[at - 1], ..held }
     }
 
     /// The value just after the last step.
     pub fn now(&self, time_s: f64) -> f64 {
-        self.value(time_s - self.delay_s)
+        self.piece.at(time_s - self.delay_s)
     }
 
-    fn value(&self, time: f64) -> f64 {
-        let (at, last) = (self.at, self.clock.len() - 1);
-        match self.hold {
-            _ if at == 0 => self.values[0],
-            Hold::Previous => self.values[at - 1],
-            Hold::Linear if at > last => self.values[last],
-            Hold::Linear => {
-                let share = (time - self.clock[at - 1]) / (self.clock[at] - self.clock[at - 1]);
-                self.values[at - 1] + share * (self.values[at] - self.values[at - 1])
-            }
-        }
-    }
-
-    /// The straight pieces of the signal from `from_s` to `to_s`: value at the beginning, value at the end, duration (s).
+    /// The straight pieces of the signal from `from_s` to `to_s`: value at the beginning, slope, duration (s).
     #[inline]
     fn pieces(&mut self, from_s: f64, to_s: f64, mut piece: impl FnMut(f64, f64, f64)) {
         let (mut from, to) = (from_s - self.delay_s, to_s - self.delay_s);
         loop {
-            let next = self.clock.get(self.at).copied().unwrap_or(f64::INFINITY);
-            let end = next.min(to);
+            let end = self.piece.until_s.min(to);
             if end > from {
-                // A step begins where the one before it ended.
-                let (at, until, value) = self.read;
-                let first = if at == self.at && until == from { value } else { self.value(from) };
-                let last = if self.hold == Hold::Linear { self.value(end) } else { first };
-                self.read = (self.at, end, last);
-                piece(first, last, end - from);
+                piece(self.piece.at(from), self.piece.slope, end - from);
                 from = end;
             }
-            if next > to {
+            if self.piece.until_s > to {
                 return;
             }
             self.at += 1;
+            self.piece = self.present();
         }
     }
 
     /// Its value over a step that ends at `to_s`, where it is held and has no sample between them. Steps have to follow one another.
     #[inline]
     pub fn held(&self, to_s: f64) -> Option<f64> {
-        let next = self.clock.get(self.at).copied().unwrap_or(f64::INFINITY);
-        let held = self.hold == Hold::Previous && next > to_s - self.delay_s;
-        held.then(|| self.values[self.at.saturating_sub(1)])
+        let held = self.hold == Hold::Previous && self.piece.until_s > to_s - self.delay_s;
+        held.then_some(self.piece.value)
     }
 
     /// Its mean from `from_s` to `to_s`. Steps have to follow one another.
     #[inline]
     pub fn mean(&mut self, from_s: f64, to_s: f64) -> f64 {
         let mut area = 0.0;
-        self.pieces(from_s, to_s, |first, last, duration| area += 0.5 * (first + last) * duration);
+        self.pieces(from_s, to_s, |first, slope, duration| area += (first + 0.5 * slope * duration) * duration);
         area / (to_s - from_s)
     }
 
@@ -136,8 +150,8 @@ impl<'a> Signal<'a> {
     #[inline]
     pub fn limited_mean(&mut self, from_s: f64, to_s: f64, greatest_rate: f64, follower: &mut f64) -> f64 {
         let mut area = 0.0;
-        self.pieces(from_s, to_s, |first, last, duration| {
-            area += follow(follower, (first, last), duration, greatest_rate);
+        self.pieces(from_s, to_s, |first, slope, duration| {
+            area += follow(follower, (first, slope), duration, greatest_rate);
         });
         area / (to_s - from_s)
     }
@@ -171,16 +185,17 @@ impl Lag {
     }
 }
 
-/// Moves `follower` after a straight piece for `duration` s; returns its integral over that time.
-fn follow(follower: &mut f64, (first, last): (f64, f64), duration: f64, rate: f64) -> f64 {
-    let (behind, slope) = (*follower - first, (last - first) / duration);
+/// Moves `follower` after a straight piece, given by its first value and its slope, for `duration` s; returns its integral over that time.
+#[inline]
+fn follow(follower: &mut f64, (first, slope): (f64, f64), duration: f64, rate: f64) -> f64 {
+    let behind = *follower - first;
     let mut area = 0.0;
     let mut left = duration;
     if behind.abs() > REACHED {
         let own = -behind.signum() * rate;
         let closing = slope - own;
-        let meets = if closing * behind > 0.0 { behind / closing } else { f64::INFINITY };
-        let until = meets.min(duration);
+        let meets = closing * behind > 0.0 && behind.abs() < closing.abs() * duration;
+        let until = if meets { behind / closing } else { duration };
         area += until * (*follower + 0.5 * own * until);
         *follower += own * until;
         left -= until;
