@@ -53,9 +53,10 @@ fn is_there(effect: &Effect, values: &[f64]) -> bool {
 /// Where that is not finite.
 #[inline]
 pub(super) fn asked(formulas: &[AppliedTorque], j: usize, at: JointInstant) -> Result<(f64, f64), &'static str> {
-    if formulas.is_empty() {
-        return Ok((0.0, 0.0));
-    }
+    if formulas.is_empty() { Ok((0.0, 0.0)) } else { summed(formulas, j, at) }
+}
+
+fn summed(formulas: &[AppliedTorque], j: usize, at: JointInstant) -> Result<(f64, f64), &'static str> {
     let (torque, rubbing) = formulas.iter().fold((0.0, 0.0), |(torque, rubbing), one| {
         let (forward, backward) = one.sides(j, at);
         (torque + 0.5 * (forward + backward), rubbing + 0.5 * (forward - backward))

@@ -113,7 +113,7 @@ impl<'a> Signal<'a> {
     }
 
     /// The straight pieces of the signal from `from_s` to `to_s`: value at the beginning, slope, duration (s).
-    #[inline]
+    #[inline(never)]
     fn pieces(&mut self, from_s: f64, to_s: f64, mut piece: impl FnMut(f64, f64, f64)) {
         let (mut from, to) = (from_s - self.delay_s, to_s - self.delay_s);
         loop {
@@ -149,6 +149,10 @@ impl<'a> Signal<'a> {
     /// `to_s`.
     #[inline]
     pub fn limited_mean(&mut self, from_s: f64, to_s: f64, greatest_rate: f64, follower: &mut f64) -> f64 {
+        let (from, to) = (from_s - self.delay_s, to_s - self.delay_s);
+        if to < self.piece.until_s {
+            return follow(follower, (self.piece.at(from), self.piece.slope), to - from, greatest_rate) / (to - from);
+        }
         let mut area = 0.0;
         self.pieces(from_s, to_s, |first, slope, duration| {
             area += follow(follower, (first, slope), duration, greatest_rate);
