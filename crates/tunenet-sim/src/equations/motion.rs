@@ -77,6 +77,15 @@ pub(super) struct Motion<'a> {
     pub evaluations: usize,
 }
 
+/// Sets the clock, which starts at `start_s`, and what the pieces of inputs are at `t`.
+#[inline]
+fn drive(values: &mut [f64], (clock, start_s): (usize, f64), pieces: &[(usize, Piece)], t: f64) {
+    values[clock] = start_s + t;
+    for (slot, piece) in pieces {
+        values[*slot] = piece.at(t);
+    }
+}
+
 impl<'a> Motion<'a> {
     /// With these parameters and coefficients; inputs have no pieces yet.
     pub fn new(system: &'a System, parameters: &[f64], coefficients: &[f64], start_s: f64) -> Self {
@@ -139,10 +148,15 @@ impl<'a> Motion<'a> {
             &[a, b] => (self.values[0], self.values[1]) = (a, b),
             _ => self.values[..state.len()].copy_from_slice(state),
         }
-        self.values[self.system.slots.clock] = self.start_s + t;
-        for (slot, piece) in &self.pieces {
-            self.values[*slot] = piece.at(t);
-        }
+        drive(&mut self.values, (self.system.slots.clock, self.start_s), &self.pieces, t);
+    }
+
+    /// What programs read of a state at an instant.
+    pub fn loaded(&self, t: f64, state: &[f64]) -> Vec<f64> {
+        let mut values = self.values.clone();
+        values[..state.len()].copy_from_slice(state);
+        drive(&mut values, (self.system.slots.clock, self.start_s), &self.pieces, t);
+        values
     }
 
     /// The derivatives of all states.
