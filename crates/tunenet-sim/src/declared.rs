@@ -99,6 +99,7 @@ pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
         let mut state = StartState::new(name, unit, value);
         state.sd = start.sd;
         state.rate_of = rate_of(file, name);
+        state.shown_by = shown_by(file, name);
         state.bounds = start.min.zip(start.max);
         Ok(state)
     };
@@ -109,9 +110,23 @@ pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
 fn rate_of(file: &SimulationFile, name: &str) -> Option<usize> {
     let scene = file.equations().ok()?;
     let (observed, _) = scene.derivatives.iter().find(|(_, formula)| formula.trim() == name)?;
-    let as_it_is =
-        scene.outputs.is_empty() || scene.outputs.get(observed).is_some_and(|formula| formula.trim() == observed);
-    file.headers().iter().position(|header| header == observed).filter(|_| as_it_is)
+    shown_by(file, observed)
+}
+
+/// The channel that shows a state of equations as it is: its output is nothing but the state.
+fn shown_by(file: &SimulationFile, name: &str) -> Option<usize> {
+    let scene = file.equations().ok()?;
+    let as_it_is = scene.outputs.is_empty() || scene.outputs.get(name).is_some_and(|formula| formula.trim() == name);
+    file.headers().iter().position(|header| header == name).filter(|_| as_it_is)
+}
+
+/// The states of equations that are estimated in every recording and begin where its first samples show them, apart from those whose value is
+/// the first sample; none of a file of another kind.
+#[must_use]
+pub fn shown_states(file: &SimulationFile) -> Vec<&str> {
+    let is_first = |start: &Start| matches!(start.value, scene::StartValue::Word(First::First));
+    let free = file.starts().filter(|(_, start)| (start.sd.is_some() || start.min.is_some()) && !is_first(start));
+    free.map(|(name, _)| name).filter(|name| shown_by(file, name).or_else(|| rate_of(file, name)).is_some()).collect()
 }
 
 /// `simulator` with the candidates of `file`: those that it has at the values that it says, the others absent.

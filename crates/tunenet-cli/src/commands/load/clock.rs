@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_core::observation::{Channel, Hold, Input, Kind, Note, Observation};
 use tunenet_formats::{Error, ReadOptions, Recording, read_if_there, read_start, refuse_unused_options};
-use tunenet_sim::scene::{First, Start, StartValue};
+use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
@@ -58,7 +58,7 @@ pub fn record(
             }
         }
     }
-    let estimated = estimated(file);
+    let estimated = declared::shown_states(file);
     let shown = given.filter(|_| !stated && !estimated.is_empty());
     let whole = shown.map(|path| samples(path, options, &channels, &clock)).transpose()?.flatten();
     let recorded = whole.is_some();
@@ -83,16 +83,6 @@ pub fn record(
     let mut driven = driven.drive(path, recording, 0)?;
     driven.notes.extend(extent_s.and_then(|(_, last_s)| goes_on(file, last_s - first_s, end_s - first_s)));
     Ok((ended(driven, &whole), recorded))
-}
-
-/// The states of equations that are estimated in every recording and do not start at its first sample.
-fn estimated(file: &SimulationFile) -> Vec<&str> {
-    if file.domain() != Domain::Equations {
-        return Vec::new();
-    }
-    let is_first = |start: &Start| matches!(start.value, StartValue::Word(First::First));
-    let free = file.starts().filter(|(_, start)| (start.sd.is_some() || start.min.is_some()) && !is_first(start));
-    free.map(|(name, _)| name).collect()
 }
 
 /// The samples of all `channels` at the instants of `clock`, both counted from their first one; `None` where the file at `path` lacks one.
