@@ -131,7 +131,7 @@ pub struct Tune {
     /// Write an HTML report; its profile likelihoods take further rollouts
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Draw profile likelihoods of an external program as well: hundreds to thousands of rollouts more
+    /// Draw profile likelihoods of an external program or of robot joints as well: hundreds to thousands of rollouts more
     #[arg(long, requires = "report", conflicts_with_all = ["quick", "max_rollouts"])]
     pub profiles: bool,
     #[command(flatten)]
@@ -141,9 +141,11 @@ pub struct Tune {
 }
 
 impl Tune {
-    /// What a report draws: a limited tuning has no further rollouts for it, and those of a program may take seconds.
+    /// What a report draws: a limited tuning has no further rollouts for it, those of a program may take seconds, and joints have many
+    /// parameters.
     pub fn drawn(&self, domain: Domain) -> Detail {
-        let limited = self.quick || self.max_rollouts.is_some() || domain == Domain::Process;
+        let slow = matches!(domain, Domain::Process | Domain::Robot);
+        let limited = self.quick || self.max_rollouts.is_some() || slow;
         if limited && !self.profiles { Detail::Recordings } else { Detail::Profiles }
     }
 }

@@ -87,7 +87,8 @@ impl Answer {
                 (self.likelihood())
             } @else if self.detail == Detail::Recordings && !outcome.parameters.is_empty() {
                 (heading("Profile likelihood"))
-                p { "Not drawn: it takes further rollouts, which --quick and --max-rollouts leave out; for an external program, add --profiles." }
+                p { "Not drawn: it takes further rollouts, which --quick and --max-rollouts leave out; for an external program \
+                     or robot joints, add --profiles." }
             }
             @if !self.evidence.recordings.is_empty() {
                 (heading("Residual diagnostics"))
