@@ -112,7 +112,7 @@ finding_kinds! {
         "samples are more than a second apart: they do not show how a joint moves; the recording is not used",
         "state the unit of the clock (ms as s?), or record more often";
     warning ROBOT_LEADER = "robot.leader",
-        "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
+        "the positions of a joint equal its commands, or jump with them faster than a joint moves: a log of what commanded it; the recording is not used",
         "record the positions of the follower";
     warning ROBOT_SIGN = "robot.sign",
         "a joint moves against its commands: one of both has the other sign",

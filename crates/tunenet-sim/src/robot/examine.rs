@@ -41,6 +41,10 @@ const SMALL_STEPS: f64 = 3.0;
 /// of the jump.
 const LEAST_JUMP: f64 = 0.01;
 const JUMP_ALIKE: f64 = 0.01;
+/// No joint moves as fast as this, rad/s or m/s, from one sample to the next; a position that is as near to the command before and after such a
+/// jump, as a share of the largest jump, is no motion of a joint either.
+const TOO_FAST: f64 = 15.0;
+const NEAR_JUMP: f64 = 0.1;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
@@ -234,8 +238,10 @@ fn position(
     let goal = goal?;
     let goals: Vec<f64> = seen.clock().iter().map(|t| goal(*t)).collect();
     let commanded = range(goals.iter().copied());
-    if layout.follows[reading.joint] && is_alike(&goals, &values) {
-        let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
+    if layout.follows[reading.joint]
+        && let Some(how) = of_the_leader(seen.clock(), (&goals, &values))
+    {
+        let text = format!("`{name}` {how}: this is what commanded it, not what it did");
         let remedy = "record the positions of the follower, not of the leader";
         return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
     }
@@ -296,6 +302,32 @@ fn position(
         let remedy = "give both the same clock; a command that comes after the motion that it causes explains nothing";
         (Note::new(findings::ROBOT_CLOCK, text, remedy), false)
     })
+}
+
+/// How positions show that they are their commands, where they do.
+fn of_the_leader(clock: &[f64], (goals, values): (&[f64], &[f64])) -> Option<&'static str> {
+    if is_alike(goals, values) {
+        Some("equals its commands at every sample")
+    } else if goals.len() > 1 && is_alike(&goals[..goals.len() - 1], &values[1..]) {
+        Some("equals its commands of the sample before")
+    } else if (0..=1).any(|late| jumps_with(clock, (goals, values), late)) {
+        Some("jumps with its commands, faster than a joint moves")
+    } else {
+        None
+    }
+}
+
+/// Whether commands jump faster than a joint moves, and positions jump as far so many samples later.
+fn jumps_with(clock: &[f64], (goals, values): (&[f64], &[f64]), late: usize) -> bool {
+    let jump = |i: usize| goals[i] - goals[i - 1];
+    let fast = |i: &usize| jump(*i).abs() > TOO_FAST * (clock[*i] - clock[*i - 1]);
+    let jumps: Vec<usize> = (1..goals.len().saturating_sub(late)).filter(fast).collect();
+    let largest = jumps.iter().map(|&i| jump(i).abs()).fold(0.0, f64::max);
+    let with = |&i: &usize| {
+        let near = |i: usize| (values[i + late] - goals[i]).abs() < NEAR_JUMP * largest;
+        near(i - 1) && near(i)
+    };
+    !jumps.is_empty() && jumps.iter().all(with)
 }
 
 /// Whether positions are their commands, up to the resolution of an encoder.
@@ -402,6 +434,32 @@ mod tests {
         assert!(rare(&slow).is_none() && rare(&[]).is_none());
         let text = rare(&[0.0, 20.0, 40.0]).unwrap().text;
         assert_eq!(text, "samples are 20.00 s apart: expected 1 s at most, in which a joint moves little");
+    }
+
+    /// Its noise and a sample's delay do not hide a leader; a fast follower is none.
+    #[test]
+    fn a_leader_jumps_with_its_commands() {
+        let clock: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();
+        let goals: Vec<f64> = clock.iter().map(|t| 0.5 * (t / 0.8).floor()).collect();
+        let noise = |i: usize| 0.003 * (1.7 * i as f64 * i as f64).sin();
+        let leader =
+            |late: usize| -> Vec<f64> { (0..goals.len()).map(|i| goals[i.saturating_sub(late)] + noise(i)).collect() };
+        let jumps = Some("jumps with its commands, faster than a joint moves");
+        assert_eq!([0, 1].map(|late| of_the_leader(&clock, (&goals, &leader(late)))), [jumps; 2]);
+        let exact: Vec<f64> = (0..goals.len()).map(|i| clock[i.saturating_sub(1)].sin()).collect();
+        let smooth: Vec<f64> = clock.iter().map(|t| t.sin()).collect();
+        assert_eq!(of_the_leader(&clock, (&smooth, &exact)), Some("equals its commands of the sample before"));
+        let mut position = 0.0;
+        let follower: Vec<f64> = goals
+            .iter()
+            .map(|goal| {
+                position += (goal - position).clamp(-0.12, 0.12);
+                position
+            })
+            .collect();
+        assert_eq!(of_the_leader(&clock, (&goals, &follower)), None);
+        let slow: Vec<f64> = (0..40).map(f64::from).collect();
+        assert_eq!(of_the_leader(&slow, (&goals[..40], &leader(0)[..40])), None, "there is time between the samples");
     }
 
     #[test]
