@@ -18,6 +18,9 @@ use crate::read::kind_of;
 use crate::recording::{ReadOptions, Recording, Role};
 use crate::{Error, Result, read};
 
+/// An input that begins later than its recording by less than this holds its first value for no time that matters.
+const LEAST_LATE_S: f64 = 5e-4;
+
 /// Where an input stands, and what it is between its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputSource {
@@ -220,7 +223,7 @@ pub fn under_inputs(
             let hint = "give both the same clock, or the file that was recorded with it";
             return Err(Error::file(path, message, hint));
         }
-        if first > clock[0] {
+        if first - clock[0] > LEAST_LATE_S {
             let text =
                 format!("`{name}` begins {:.3} s after the recording: its first value holds before", first - clock[0]);
             notes.push(Note::new(findings::INPUT_LATE, text, "record the input from the start"));
