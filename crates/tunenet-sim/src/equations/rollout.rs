@@ -290,8 +290,13 @@ impl<'a> Rollout<'a> {
         let system = self.motion.system;
         let (ahead, later) = self.stepper.ahead();
         [(self.stepper.y.as_slice(), 0.0), (&ahead, later)].into_iter().find_map(|(state, later)| {
+            let mut values = self.motion.values.clone();
+            values[..state.len()].copy_from_slice(state);
+            values[system.slots.clock] += later;
             // A trial step may have been of no length that is a number.
-            let values = self.motion.loaded(self.stepper.t + later, state);
+            if !values[system.slots.clock].is_finite() {
+                values = self.motion.loaded(self.stepper.t + later, state);
+            }
             let mut named = system.states.iter().zip(system.written.iter());
             let (state, part) = named.find_map(|(state, formula)| Some((state, formula.undefined(&values)?)))?;
             Some(format!("`{}` in `derivatives.{state}` {} at {} s", part.text, part.what, self.time()))
