@@ -99,7 +99,6 @@ pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
         let mut state = StartState::new(name, unit, value);
         state.sd = start.sd;
         state.rate_of = rate_of(file, name);
-        state.shown_by = shown_by(file, name);
         state.bounds = start.min.zip(start.max);
         Ok(state)
     };
@@ -114,7 +113,8 @@ fn rate_of(file: &SimulationFile, name: &str) -> Option<usize> {
 }
 
 /// The channel that shows a state of equations as it is: its output is nothing but the state.
-fn shown_by(file: &SimulationFile, name: &str) -> Option<usize> {
+#[must_use]
+pub fn shown_by(file: &SimulationFile, name: &str) -> Option<usize> {
     let scene = file.equations().ok()?;
     let as_it_is = scene.outputs.is_empty() || scene.outputs.get(name).is_some_and(|formula| formula.trim() == name);
     file.headers().iter().position(|header| header == name).filter(|_| as_it_is)

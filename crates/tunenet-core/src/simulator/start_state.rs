@@ -40,14 +40,12 @@ pub struct StartState {
     pub bounds: Option<(f64, f64)>,
     /// The channel whose rate of change it is, where there is one: its estimate begins at the slope of that.
     pub rate_of: Option<usize>,
-    /// The channel that shows it as it is, where there is one: its estimate begins at the first sample of that.
-    pub shown_by: Option<usize>,
 }
 
 impl StartState {
     /// A state that is known.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, value: StartValue) -> Self {
-        Self { name: name.into(), unit: unit.into(), value, sd: None, bounds: None, rate_of: None, shown_by: None }
+        Self { name: name.into(), unit: unit.into(), value, sd: None, bounds: None, rate_of: None }
     }
 
     /// The same, estimated with a prior of this standard deviation around its value.
@@ -68,12 +66,6 @@ impl StartState {
         Self { rate_of: Some(channel), ..self }
     }
 
-    /// The same, as what this channel shows.
-    #[must_use]
-    pub fn shown_by(self, channel: usize) -> Self {
-        Self { shown_by: Some(channel), ..self }
-    }
-
     /// Whether it is estimated.
     #[must_use]
     pub fn is_free(&self) -> bool {
@@ -88,14 +80,10 @@ impl StartState {
         }
     }
 
-    /// Where its estimate begins in a recording, as a nuisance parameter: at the first sample of the channel that shows it, or at the slope of
-    /// the one whose rate it is.
+    /// Where its estimate begins in a recording, as a nuisance parameter: at the slope of the channel whose rate it is.
     pub(super) fn begin(&self, seen: &Observation, nuisance: &Parameter) -> Option<f64> {
-        let begun = match self.shown_by {
-            Some(channel) => seen.row(0)[channel],
-            None => slope(seen, self.rate_of?)?,
-        };
-        Some(begun.clamp(nuisance.min, nuisance.max))
+        let slope = slope(seen, self.rate_of?)?;
+        Some(slope.clamp(nuisance.min, nuisance.max))
     }
 
     /// As a nuisance parameter around `value` with the standard deviation of its prior, where it is estimated.
@@ -173,9 +161,6 @@ mod tests {
             state.begin(&seen, &nuisance).unwrap()
         };
         assert!((begin(-9.0, 9.0) - 2.0).abs() < 1e-9 && begin(0.0, 1.5) == 1.5);
-        let shown = state().with_prior(0.3).shown_by(0);
-        let (nuisance, _) = shown.nuisance(0.5).unwrap().unwrap();
-        assert_eq!((shown.begin(&seen, &nuisance), nuisance.value), (Some(1.0), 0.5), "the prior stays at the value");
         assert_eq!(
             StartState { rate_of: None, ..state() }.begin(&seen, &Parameter::new("a", "1", 0.0, 0.0, 1.0).unwrap()),
             None

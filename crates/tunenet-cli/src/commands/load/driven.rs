@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 use tunenet_formats::{Error, Recording};
-use tunenet_sim::SimulationFile;
+use tunenet_sim::{SimulationFile, declared};
 
 use super::clock;
 use super::input_files::own_files_of;
@@ -72,12 +72,24 @@ impl Driven {
         let mut all = Vec::new();
         for (_, recording) in &self.recordings {
             if let Preparation::Usable(mut prepared) = simulator.prepare(&recording.observation)? {
-                if !self.recorded {
+                if self.recorded {
+                    begin_as_shown(self.setups.common(), &mut prepared);
+                } else {
                     prepared.begin.clear();
                 }
                 all.push(*prepared);
             }
         }
         Ok(all)
+    }
+}
+
+/// Lets estimated states that an output shows begin at the first sample of it.
+fn begin_as_shown(file: &SimulationFile, prepared: &mut Prepared) {
+    for (nuisance, begin) in prepared.nuisances.iter().zip(&mut prepared.begin) {
+        let shown = nuisance.name.strip_prefix("start.").and_then(|state| declared::shown_by(file, state));
+        if let Some(channel) = shown {
+            *begin = Some(prepared.seen.row(0)[channel].clamp(nuisance.min, nuisance.max));
+        }
     }
 }
