@@ -21,7 +21,10 @@ fn what_cannot_be_followed_is_refused_with_state_and_time() {
         ("k*sqrt(0.5 - k*t_s)", "`sqrt(0.5 - k*t_s)` in `derivatives.x_m` has no real value at 0.5"),
         ("-k*1e9*(x_m - 1)", "`x_m` takes too many steps"),
         ("2 + k/y_m", "`k/y_m` in `derivatives.x_m` grows beyond all bounds at 0 s"),
-        ("k*t_s + 2*t_s/(y_m - y_m)", "`2*t_s/(y_m - y_m)` in `derivatives.x_m` has no real value at 0 s"),
+        (
+            "k*t_s + k*t_s*(x_m - x_m)/(y_m - y_m)",
+            "`k*t_s*(x_m - x_m)/(y_m - y_m)` in `derivatives.x_m` has no real value at 0 s",
+        ),
         ("2 + k/(0.5 - t_s)", "`k/(0.5 - t_s)` in `derivatives.x_m` grows beyond all bounds at 0.5"),
     ] {
         let system = system(&of(derivative), &["k"]);
