@@ -14,7 +14,7 @@ use crate::findings;
 const SHARED: [&str; 8] =
     ["kind", "parameters.", "effects.", "candidates.", "states.", "derivatives.", "outputs.", "events."];
 /// What belongs to a single recording anyway, and is nothing of a setup that a written file could keep.
-const START: &str = "start.";
+pub(super) const START: &str = "start.";
 
 /// A key of the scene with its value.
 type Key = (String, String);

@@ -8,6 +8,7 @@ use tunenet_formats::{Error, Recording};
 use tunenet_sim::{SimulationFile, declared};
 
 use super::clock;
+use super::differences::START;
 use super::input_files::own_files_of;
 use super::options::reading as read_options;
 use super::setups::Setups;
@@ -35,7 +36,7 @@ impl Driven {
         manifest: Option<&Path>,
         reading: &Numbers,
     ) -> Result<Self> {
-        let stated = set.iter().any(|assignment| assignment.trim_start().starts_with("start."));
+        let stated = set.iter().any(|assignment| assignment.trim_start().starts_with(START));
         let Some(manifest) = manifest else {
             let (recording, recorded) = clock::record(file, given, &read_options(reading)?, stated)?;
             let recordings = vec![(String::new(), recording)];
@@ -87,7 +88,7 @@ impl Driven {
 /// Lets estimated states that an output shows begin at the first sample of it.
 fn begin_as_shown(file: &SimulationFile, prepared: &mut Prepared) {
     for (nuisance, begin) in prepared.nuisances.iter().zip(&mut prepared.begin) {
-        let shown = nuisance.name.strip_prefix("start.").and_then(|state| declared::shown_by(file, state));
+        let shown = nuisance.name.strip_prefix(START).and_then(|state| declared::shown_by(file, state));
         if let Some(channel) = shown {
             *begin = Some(prepared.seen.row(0)[channel].clamp(nuisance.min, nuisance.max));
         }
