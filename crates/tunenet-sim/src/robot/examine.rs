@@ -41,9 +41,9 @@ const SMALL_STEPS: f64 = 3.0;
 /// of the jump.
 const LEAST_JUMP: f64 = 0.01;
 const JUMP_ALIKE: f64 = 0.01;
-/// No joint moves as fast as this, rad/s or m/s, from one sample to the next; a position that is as near to the command before and after such a
-/// jump, as a share of the largest jump, is no motion of a joint either.
+/// Commands that change faster than this from one sample to the next, rad/s or m/s, jump: no joint follows them at once.
 const TOO_FAST: f64 = 15.0;
+/// Positions follow a jump at once that are this near to the commands before and after it, as a share of the largest jump.
 const NEAR_JUMP: f64 = 0.1;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
@@ -436,7 +436,7 @@ mod tests {
         assert_eq!(text, "samples are 20.00 s apart: expected 1 s at most, in which a joint moves little");
     }
 
-    /// Its noise and a sample's delay do not hide a leader; a fast follower is none.
+    /// Noise and a delay of one sample do not hide a leader; a fast follower is none.
     #[test]
     fn a_leader_jumps_with_its_commands() {
         let clock: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();

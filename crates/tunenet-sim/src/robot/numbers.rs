@@ -167,7 +167,7 @@ impl JointNumbers {
     }
 
     /// What the controller asks for at this measured position, before its speed counts: duty, torque or force.
-    #[expect(clippy::inline_always, reason = "calls of every step made rollouts a fifth slower")]
+    #[expect(clippy::inline_always, reason = "every step calls it, which slows rollouts down")]
     #[inline(always)]
     pub(super) fn demand(&self, goal: f64, position: f64) -> f64 {
         match self.drive {
@@ -203,7 +203,7 @@ impl JointNumbers {
     }
 
     /// The motor where `demand` is asked for and its duty is not limited.
-    #[expect(clippy::inline_always, reason = "calls of every step made rollouts a fifth slower")]
+    #[expect(clippy::inline_always, reason = "every step calls it, which slows rollouts down")]
     #[inline(always)]
     pub(super) fn unlimited(&self, command: Command, demand: f64, speed: f64) -> Motor {
         if self.drive.has_duty() {

@@ -106,7 +106,7 @@ pub(super) struct Step<'a> {
 }
 
 impl Step<'_> {
-    #[expect(clippy::inline_always, reason = "calls of every step made rollouts a fifth slower")]
+    #[expect(clippy::inline_always, reason = "every step calls it, which slows rollouts down")]
     #[inline(always)]
     fn with(&self, motor: Motor, reciprocal: &mut Reciprocal) -> f64 {
         let joint = self.joint;
@@ -121,7 +121,7 @@ impl Step<'_> {
     }
 
     /// The speed after the step, and the motor that led there.
-    #[expect(clippy::inline_always, reason = "calls of every step made rollouts a fifth slower")]
+    #[expect(clippy::inline_always, reason = "every step calls it, which slows rollouts down")]
     #[inline(always)]
     pub fn driven(&self, command: Command, demand: f64, reciprocal: &mut Reciprocal) -> (f64, Motor) {
         let joint = self.joint;
@@ -185,7 +185,7 @@ pub(super) fn roll(
             out.torque(k, 0, motor.torque - (motor.braking - motor.passive) * 0.5 * (w + after));
         }
         out.state(k + 1, 0, middle + 0.5 * dt * after, after);
-        // From the middle of a step to that of the next: half of both, with the speed between them.
+        // The middle of the next step lies half of this step and half of that one later, both at the speed between them.
         (w, moved) = (after, dt * after);
         middle += moved;
     }

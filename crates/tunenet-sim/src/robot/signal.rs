@@ -150,6 +150,7 @@ impl<'a> Signal<'a> {
     #[inline]
     pub fn limited_mean(&mut self, from_s: f64, to_s: f64, greatest_rate: f64, follower: &mut f64) -> f64 {
         let (from, to) = (from_s - self.delay_s, to_s - self.delay_s);
+        // Most steps lie within one piece.
         if to < self.piece.until_s {
             return follow(follower, (self.piece.at(from), self.piece.slope), to - from, greatest_rate) / (to - from);
         }
