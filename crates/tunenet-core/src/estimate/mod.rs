@@ -19,13 +19,14 @@
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `variance_components` | restricted likelihood of two variance components |
 //! | `unread_states` | local observability of initial states |
-//! | `separable_blocks` | recombination of starts of a partially separable misfit |
+//! | `separable_blocks`, `blockwise_search` | starts of a partially separable misfit, recombined and searched |
 //! | `adequacy` | residual against noise |
 //! | `projection`, `canonical_correlation` | Frisch–Waugh projection; correlation of two spans |
 //! | `information_criterion` | Bayesian information criterion |
 
 mod adequacy;
 pub(crate) mod block_arrow;
+pub(crate) mod blockwise_search;
 pub(crate) mod canonical_correlation;
 pub(crate) mod cluster_robust;
 mod contour;

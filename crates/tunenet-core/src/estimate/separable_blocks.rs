@@ -64,14 +64,23 @@ impl Blocks {
         Self { of_channel, of_parameter }
     }
 
+    /// What is left of the channels of a block, of `misfits` of all channels.
+    pub fn left(&self, misfits: &[f64], block: usize) -> f64 {
+        let own = self.of_channel.iter().zip(misfits).filter(|(of, _)| **of == block);
+        own.map(|(_, misfit)| misfit).sum()
+    }
+
+    /// The parameters of a block, by position.
+    pub fn parameters(&self, block: usize) -> impl Iterator<Item = usize> {
+        let each = self.of_parameter.iter().enumerate();
+        each.filter(move |(_, of)| **of == Some(block)).map(|(position, _)| position)
+    }
+
     /// The place to which every block contributes the values of that one of `places` which leaves least of its channels; `None` where this
     /// is one of them.
     pub fn recombined(&self, places: &[Place]) -> Option<Point> {
         let first = places.first()?;
-        let left = |place: &Place, block: usize| -> f64 {
-            let own = self.of_channel.iter().zip(&place.misfits).filter(|(of, _)| **of == block);
-            own.map(|(_, misfit)| misfit).sum()
-        };
+        let left = |place: &Place, block: usize| self.left(&place.misfits, block);
         let best = |block: usize| {
             let by_left = |a: &usize, b: &usize| left(&places[*a], block).total_cmp(&left(&places[*b], block));
             (0..places.len()).min_by(by_left).unwrap_or(0)

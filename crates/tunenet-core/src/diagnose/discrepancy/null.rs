@@ -1,5 +1,5 @@
 //! The simulation without effects, from several starts: dry and viscous friction have local minima that no single start leaves
-//! (multistart with Halton's points: Halton 1960).
+//! (multistart with Halton's points: Halton 1960; of a robot with several joints, from where an evolution strategy leads each of them).
 
 use super::scale::{BRIEF, FINISH};
 use crate::Result;
@@ -8,18 +8,28 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, Which, spread};
 use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
+use crate::estimate::blockwise_search::blockwise_search;
 use crate::estimate::separable_blocks::{Blocks, Place};
+use crate::simulator::Parameter;
 
-/// Points within the bounds that are looked at.
-const LOOKED_AT: u32 = 40;
+/// Points within the bounds that are looked at, for each channel.
+const LOOKED_AT: usize = 40;
+/// So many recordings at most show a place of several joints.
+const FEW: usize = 4;
+/// Searches of every block of a robot with several joints, each from a part of these points.
+const SEARCHES: usize = 3;
 /// The best of them from which fits begin, next to the values of the files.
 const STARTS: usize = 4;
 /// Fits that go on to the end.
 const FINISHED: usize = 2;
+/// The same where several channels are measured, so that parameters are many.
+const FINISH_OF_SEVERAL: Effort = Effort { steps: 60, derivatives: 25, ..FINISH };
 /// So many of the best candidates lead to other starts.
 const STRIPPED: usize = 2;
 /// The share of each recording that shows a basin before late motion has made many.
 const BEGINNING: f64 = 0.5;
+/// Bounds of which one is so many times the other leave open even how many digits a value has.
+const DECADES: f64 = 100.0;
 /// Another minimum is lower by at least so much in cost: what the information criterion takes for a clear difference.
 const BETTER: f64 = 3.0;
 
@@ -33,28 +43,37 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
     let nuisances: Vec<Vec<f64>> = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
     let point = |parameters: Vec<f64>| Point { parameters, nuisances: nuisances.clone() };
     let given = point(structure.shared.iter().map(|shared| shared.parameter.value).collect());
+    let width = context.recordings().first().map_or(1, PreparedRecording::width);
     let nth_start = |number: u32| {
         let each = structure.shared.iter().map(|shared| &shared.parameter).zip(PRIMES.iter().copied().cycle());
-        // The square of a share: sizes of friction and inertia are rarely near the top of their bounds.
-        let share = |number, prime| radical_inverse(number, prime).powi(2);
-        point(each.map(|(p, prime)| p.min + share(number, prime) * p.span()).collect())
+        let value = |(parameter, prime): (&Parameter, u32)| {
+            let share = radical_inverse(number, prime);
+            // The few parameters of one joint need no search, and fits find the rest from sizes far below their bounds.
+            if width > 1 { within_bounds(parameter, share) } else { size_within_bounds(parameter, share) }
+        };
+        point(each.map(value).collect())
     };
-    let width = context.recordings().first().map_or(1, PreparedRecording::width);
-    let mut looked: Vec<(f64, Place)> = (1..=LOOKED_AT)
+    let count = joint.recordings.len();
+    let looked_at = if width > 1 { count.min(FEW) } else { count };
+    let few = Joint { recordings: &joint.recordings[..looked_at], ..context.joint(&structure) };
+    let mut looked: Vec<(f64, Place)> = (1..)
+        .take(LOOKED_AT * width)
         .map(nth_start)
         .filter_map(|start| {
-            let left = joint.residuals(&start, 1.0).ok()?;
+            let left = few.residuals(&start, 1.0).ok()?;
             Some((spread(&left), Place::new(start, &left, width)))
         })
         .collect();
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let blocks = blocks(&joint, &given, width);
     let places: Vec<Place> = looked.into_iter().map(|(_, place)| place).collect();
-    let joined = blocks.as_ref().and_then(|blocks| blocks.recombined(&places));
-    let across = places.into_iter().take(STARTS).map(|place| place.point);
+    let starts: Vec<Point> = match &blocks {
+        Some(blocks) => searched(&few, blocks, &places).into_iter().collect(),
+        None => places.into_iter().take(STARTS).map(|place| place.point).collect(),
+    };
     let mut refused = None;
     let mut brief: Vec<Outcome> = Vec::new();
-    for start in std::iter::once(given).chain(joined).chain(across) {
+    for start in std::iter::once(given).chain(starts) {
         match joint.fit(start, BRIEF) {
             Ok(found) => brief.push(found),
             Err(error) => refused = Some(error),
@@ -65,7 +84,8 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
     let joined = blocks.as_ref().and_then(|blocks| blocks.recombined(&places));
     brief.extend(joined.and_then(|start| joint.fit(start, BRIEF).ok()));
     brief.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let finished = brief.into_iter().take(FINISHED).filter_map(|found| joint.fit(found.point, FINISH).ok());
+    let finish = if blocks.is_some() { FINISH_OF_SEVERAL } else { FINISH };
+    let finished = brief.into_iter().take(FINISHED).filter_map(|found| joint.fit(found.point, finish).ok());
     let best = finished.min_by(|a, b| a.cost.total_cmp(&b.cost));
     match (best, refused) {
         (Some(fit), _) => Ok(Hypothesis { structure, fit }),
@@ -74,6 +94,59 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
         }),
+    }
+}
+
+/// Where searches of every block lead, each from what suits it best of a part of these places; `None` where there are none.
+fn searched(joint: &Joint, blocks: &Blocks, places: &[Place]) -> Option<Point> {
+    let bounds: Vec<&Parameter> = joint.structure.shared.iter().map(|shared| &shared.parameter).collect();
+    let one = |part: usize| {
+        let own: Vec<Place> = places.iter().skip(part).step_by(SEARCHES).cloned().collect();
+        let start = blocks.recombined(&own).or_else(|| Some(own.first()?.point.clone()))?;
+        let at = |shares: &[f64]| {
+            let each = bounds.iter().zip(shares);
+            let parameters = each.map(|(parameter, share)| within_bounds(parameter, *share)).collect();
+            let point = Point { parameters, nuisances: start.nuisances.clone() };
+            let left = joint.residuals(&point, 1.0).ok()?;
+            Some(Place::new(point, &left, joint.width()))
+        };
+        let each = bounds.iter().zip(&start.parameters);
+        let shares = each.map(|(parameter, value)| share_of(parameter, *value)).collect();
+        at(&blockwise_search(blocks, shares, |shares| Some(at(shares)?.misfits)))
+    };
+    let found: Vec<Place> = (0..SEARCHES).filter_map(one).collect();
+    let whole = |place: &Place| place.misfits.iter().sum::<f64>();
+    let best = || found.iter().min_by(|a, b| whole(a).total_cmp(&whole(b)));
+    blocks.recombined(&found).or_else(|| Some(best()?.point.clone()))
+}
+
+/// The value at the square of a share of the way from the lower to the upper bound: friction and inertia are rarely near the top of theirs.
+fn size_within_bounds(parameter: &Parameter, share: f64) -> f64 {
+    parameter.min + share.powi(2) * parameter.span()
+}
+
+/// The value at a share of the way from the lower to the upper bound: in equal ratios where these are decades apart, as those of a gain of
+/// which nothing is known; as a size where none is below 0; else in equal steps.
+fn within_bounds(parameter: &Parameter, share: f64) -> f64 {
+    let ratio = parameter.max / parameter.min;
+    if parameter.min > 0.0 && ratio >= DECADES {
+        parameter.min * ratio.powf(share)
+    } else if parameter.min >= 0.0 {
+        size_within_bounds(parameter, share)
+    } else {
+        parameter.min + share * parameter.span()
+    }
+}
+
+/// The share at which [`within_bounds`] is `value`.
+fn share_of(parameter: &Parameter, value: f64) -> f64 {
+    let ratio = parameter.max / parameter.min;
+    if parameter.min > 0.0 && ratio >= DECADES {
+        (value / parameter.min).ln() / ratio.ln()
+    } else if parameter.min >= 0.0 {
+        ((value - parameter.min) / parameter.span()).sqrt()
+    } else {
+        (value - parameter.min) / parameter.span()
     }
 }
 
@@ -133,6 +206,20 @@ mod tests {
     use crate::diagnose::hypothesis::forward_selection::search;
     use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    #[test]
+    fn shares_go_from_bound_to_bound_and_back() {
+        let of = |least: f64, greatest: f64| Parameter::new("p", "1", greatest, least, greatest).unwrap();
+        let (gain, friction, zero) = (of(0.001, 10.0), of(0.0, 2.0), of(-1.0, 1.0));
+        assert!((within_bounds(&gain, 0.5) - 0.1).abs() < 1e-12, "in equal ratios");
+        assert_eq!((within_bounds(&friction, 0.5), within_bounds(&zero, 0.5)), (0.5, 0.0));
+        for parameter in [gain, friction, zero] {
+            for share in [0.0, 0.3, 1.0] {
+                let back = share_of(&parameter, within_bounds(&parameter, share));
+                assert!((back - share).abs() < 1e-12, "{} {back}", parameter.max);
+            }
+        }
+    }
 
     #[test]
     fn the_parameter_is_found_from_afar() {
