@@ -20,6 +20,7 @@ mod robot_effects;
 mod robot_keys;
 pub(crate) mod robot_schema;
 mod robot_template;
+mod robot_values;
 pub mod schema;
 mod stated_effects;
 mod template;

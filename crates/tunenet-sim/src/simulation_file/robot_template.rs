@@ -6,8 +6,9 @@ use tunenet_core::text::visible;
 
 use super::domain::Domain;
 use super::robot_schema::{BETWEEN, SAMPLES};
+use super::robot_values::{near_stated, states_inertia, value, zero_of_a_log};
 use super::schema::{Definition, is_name};
-use super::stated_effects::{with_stated, with_tuned_gains};
+use super::stated_effects::{with_stated, with_tuned_gains, with_tuned_offsets};
 use super::template::{keys, line, parameter};
 use crate::arm::effects::Imperfections;
 use crate::arm::{Body, Joint, JointKind, Model};
@@ -120,6 +121,10 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     if one_gain {
         text = with_tuned_gains(text);
     }
+    let goes_to = |joint: &&Joint| drive(joint) == Drive::Position;
+    if start.columns.is_some() && !named.is_empty() && named.iter().all(goes_to) {
+        text = with_tuned_offsets(text);
+    }
     let of_motors = |of: fn(&StatedMotor) -> f64| -> Vec<f64> {
         named.iter().map(|joint| start.motor(&joint.name).map_or(0.0, of)).collect()
     };
@@ -143,6 +148,7 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
                 "zero" if start.columns.is_some() => default = zero_of_a_log(joint),
                 // Such a log shows both brakings as one, which is tuned as `viscous`; and a torque is that of the joint.
                 "back_emf" if start.columns.is_some() || of_torques => default[0] = 0.0,
+                "armature" if one_gain && states_inertia(motor, joint) => default = near_stated(default[0]),
                 _ => {}
             }
             // A model has one number for both brakings, and only a released motor separates them.
@@ -268,66 +274,6 @@ fn commands(text: &mut String, motor: &StatedMotor, unit: &str) {
              # command_range = [{lower:?}, {upper:?}]"
         )));
     }
-}
-
-/// Value, least and greatest value of a parameter to start from.
-fn value(
-    number: &str,
-    default: [f64; 3],
-    motor: Option<&StatedMotor>,
-    (joint, effort): (&Joint, Option<f64>),
-) -> [f64; 3] {
-    let around = |value: f64, least: f64, greatest: f64| [value, least, (10.0 * value).max(greatest)];
-    let stated = |of: fn(&StatedMotor) -> f64| motor.map(of).filter(|value| *value > 0.0);
-    let of_joint = |value: f64| Some(value).filter(|value| *value > 0.0);
-    // What a strong motor moves may brake it strongly.
-    let strength = motor.and_then(|motor| motor.stall_torque).or(effort).unwrap_or(0.0);
-    let greatest = match number {
-        "coulomb" => default[2].max(FRICTION_OF_STRENGTH * strength),
-        "viscous" | "back_emf" => default[2].max(BRAKING_OF_STRENGTH_S_RAD * strength),
-        _ => default[2],
-    };
-    // A model that states a motor and none of a number means 0.
-    let absent = motor.map(|_| [0.0, 0.0, greatest]);
-    let found = match number {
-        "stall_torque" => {
-            // Where the model states no limit, the true one may be any below.
-            let share = if motor.is_none_or(|motor| motor.limited) { 10.0 } else { 1e3 };
-            motor.and_then(|motor| motor.stall_torque).or(effort).map(|value| around(value, value / share, 0.0))
-        }
-        // It is in the damping of the model.
-        "back_emf" => absent,
-        "viscous" => stated(|motor| motor.damping)
-            .or(of_joint(joint.damping))
-            .map(|value| around(value, 0.0, greatest))
-            .or(absent),
-        "coulomb" => stated(|motor| motor.friction)
-            .or(of_joint(joint.friction))
-            .map(|value| around(value, 0.0, greatest))
-            .or(absent),
-        "armature" => stated(|motor| motor.armature)
-            .or(of_joint(joint.armature))
-            .map(|value| around(value, value / 10.0, greatest))
-            .or(absent),
-        _ => None,
-    };
-    found.unwrap_or([default[0], default[1], greatest])
-}
-
-/// Dry friction is at most this share of the greatest torque of a motor, and braking at 1 rad/s (m/s) at most that share.
-const FRICTION_OF_STRENGTH: f64 = 0.5;
-const BRAKING_OF_STRENGTH_S_RAD: f64 = 0.2;
-
-/// How far the zero of a log may be from that of the model, rad or m: a quarter turn, since a log that is normalised to the range of its
-/// calibration has a zero of its own.
-const ZERO_OF_A_LOG: f64 = 1.6;
-
-/// The zero of a joint's log, and how far from the model's it may be; a slide's no farther than the joint moves.
-fn zero_of_a_log(joint: &Joint) -> [f64; 3] {
-    let travel = joint.limits.upper - joint.limits.lower;
-    let slides = joint.kind == JointKind::Prismatic && travel > 0.0;
-    let most = if slides { ZERO_OF_A_LOG.min(travel) } else { ZERO_OF_A_LOG };
-    [0.0, -most, most]
 }
 
 /// The input that switches all motors.
@@ -481,8 +427,12 @@ mod tests {
         assert_eq!(parameters.iter().find(|p| p.name == "Lift__zero").map(|p| (p.min, p.max)), Some((-1.6, 1.6)));
         let limit = parameters.iter().find(|p| p.name == "Lift__stall_torque").unwrap();
         assert_eq!((limit.value, limit.tune), (3.0, false));
-        let gain = &file.robot_effects().unwrap()[0];
-        assert_eq!((gain.effect.name, gain.values.as_slice(), gain.tune), ("firmware_gain", &[1.0][..], true));
+        let rotor = parameters.iter().find(|p| p.name == "Lift__armature").unwrap();
+        assert!((rotor.min - 0.01).abs() < 1e-12 && (rotor.max - 0.09).abs() < 1e-12, "{} {}", rotor.min, rotor.max);
+        let effects = file.robot_effects().unwrap();
+        let tuned: Vec<(&str, &[f64])> =
+            effects.iter().filter(|one| one.tune).map(|one| (one.effect.name, one.values.as_slice())).collect();
+        assert_eq!(tuned, [("command_offset", &[0.0][..]), ("firmware_gain", &[1.0])]);
         assert_eq!(robot.integrate.step_s, 0.004);
         assert_eq!([200.0, 50.0, 10.0].map(step_s), [0.001, 0.002, 0.004]);
     }

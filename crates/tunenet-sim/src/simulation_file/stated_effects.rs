@@ -5,17 +5,26 @@ use super::template::line;
 /// The effect `firmware_gain` in place of its commented table, a factor for each joint, to be tuned. A log with one gain shows the product of
 /// gain and torque limit where no motor is at its limit: the limit stays as it is stated, and the gain is tuned, which models often
 /// state by orders of magnitude too large.
-///
-/// One number holds for all joints, also after the table of one is taken out.
 pub(super) fn with_tuned_gains(text: String) -> String {
-    const TABLE: &str = "# [effects.firmware_gain]\n";
-    let Some((before, table)) = text.split_once(TABLE) else { return text };
+    let said = "# Recordings at one gain show the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).";
+    with_tuned(text, ("firmware_gain", "factor"), said)
+}
+
+/// The effect `command_offset` in place of its commented table, to be tuned: commands of a log are often positions of another arm, whose zeros
+/// are not those of this one.
+pub(super) fn with_tuned_offsets(text: String) -> String {
+    let said = "# What gives the commands, such as a leader arm, has zeros of its own: `tune` changes these offsets.";
+    with_tuned(text, ("command_offset", "rad"), said)
+}
+
+/// An effect in place of its commented table, to be tuned. One number holds for all joints, also after the table of one is taken out.
+fn with_tuned(text: String, (effect, key): (&str, &str), said: &str) -> String {
+    let head = format!("# [effects.{effect}]\n");
+    let Some((before, table)) = text.split_once(&head) else { return text };
     let (table, after) = table.split_once("\n\n").unwrap_or((table, ""));
-    let said = line(
-        "# Recordings at one gain show the product of gain and torque limit: `tune` changes the gain here, and keeps the limits below (`stall_torque`).",
-    );
-    let table = table.replacen("# factor", "factor", 1).replacen("# tune = false", "tune = true", 1);
-    format!("{before}[effects.firmware_gain]\n{said}{table}\n\n{after}")
+    let table = table.replacen(&format!("# {key} ="), &format!("{key} ="), 1);
+    let table = table.replacen("# tune = false", "tune = true", 1);
+    format!("{before}[effects.{effect}]\n{}{table}\n\n{after}", line(said))
 }
 
 /// An effect that the model states, by an attribute of its actuators, in place of its commented table; as it is where all numbers are 0.
