@@ -14,7 +14,7 @@ use crate::simulator::Parameter;
 
 /// Points within the bounds that are looked at, for each channel.
 const LOOKED_AT: usize = 40;
-/// So many recordings at most show a place of several joints.
+/// Points of several joints are compared by so many recordings at most.
 const FEW: usize = 4;
 /// Searches of every block of a robot with several joints, each from a part of these points.
 const SEARCHES: usize = 3;
@@ -22,13 +22,13 @@ const SEARCHES: usize = 3;
 const STARTS: usize = 4;
 /// Fits that go on to the end.
 const FINISHED: usize = 2;
-/// The same where several channels are measured, so that parameters are many.
+/// Such a fit where several channels are measured: it has many parameters.
 const FINISH_OF_SEVERAL: Effort = Effort { steps: 60, derivatives: 25, ..FINISH };
 /// So many of the best candidates lead to other starts.
 const STRIPPED: usize = 2;
 /// The share of each recording that shows a basin before late motion has made many.
 const BEGINNING: f64 = 0.5;
-/// Bounds of which one is so many times the other leave open even how many digits a value has.
+/// Bounds are decades apart where the upper one is at least so many times the lower one.
 const DECADES: f64 = 100.0;
 /// Another minimum is lower by at least so much in cost: what the information criterion takes for a clear difference.
 const BETTER: f64 = 3.0;
@@ -47,15 +47,14 @@ pub(in crate::diagnose) fn fit_null<'a>(context: &Context<'a>) -> Result<Hypothe
     let nth_start = |number: u32| {
         let each = structure.shared.iter().map(|shared| &shared.parameter).zip(PRIMES.iter().copied().cycle());
         let value = |(parameter, prime): (&Parameter, u32)| {
-            let share = radical_inverse(number, prime);
-            // The few parameters of one joint need no search, and fits find the rest from sizes far below their bounds.
-            if width > 1 { within_bounds(parameter, share) } else { size_within_bounds(parameter, share) }
+            // Of one joint no search follows, and fits begin from values near the lower bounds.
+            let spacing = if width > 1 { Spacing::of(parameter) } else { Spacing::Squares };
+            spacing.value(parameter, radical_inverse(number, prime))
         };
         point(each.map(value).collect())
     };
-    let count = joint.recordings.len();
-    let looked_at = if width > 1 { count.min(FEW) } else { count };
-    let few = Joint { recordings: &joint.recordings[..looked_at], ..context.joint(&structure) };
+    let shown_by = if width > 1 { joint.recordings.len().min(FEW) } else { joint.recordings.len() };
+    let few = Joint { recordings: &joint.recordings[..shown_by], ..context.joint(&structure) };
     let mut looked: Vec<(f64, Place)> = (1..)
         .take(LOOKED_AT * width)
         .map(nth_start)
@@ -105,13 +104,13 @@ fn searched(joint: &Joint, blocks: &Blocks, places: &[Place]) -> Option<Point> {
         let start = blocks.recombined(&own).or_else(|| Some(own.first()?.point.clone()))?;
         let at = |shares: &[f64]| {
             let each = bounds.iter().zip(shares);
-            let parameters = each.map(|(parameter, share)| within_bounds(parameter, *share)).collect();
+            let parameters = each.map(|(parameter, share)| Spacing::of(parameter).value(parameter, *share)).collect();
             let point = Point { parameters, nuisances: start.nuisances.clone() };
             let left = joint.residuals(&point, 1.0).ok()?;
             Some(Place::new(point, &left, joint.width()))
         };
         let each = bounds.iter().zip(&start.parameters);
-        let shares = each.map(|(parameter, value)| share_of(parameter, *value)).collect();
+        let shares = each.map(|(parameter, value)| Spacing::of(parameter).share(parameter, *value)).collect();
         at(&blockwise_search(blocks, shares, |shares| Some(at(shares)?.misfits)))
     };
     let found: Vec<Place> = (0..SEARCHES).filter_map(one).collect();
@@ -120,33 +119,42 @@ fn searched(joint: &Joint, blocks: &Blocks, places: &[Place]) -> Option<Point> {
     blocks.recombined(&found).or_else(|| Some(best()?.point.clone()))
 }
 
-/// The value at the square of a share of the way from the lower to the upper bound: friction and inertia are rarely near the top of theirs.
-fn size_within_bounds(parameter: &Parameter, share: f64) -> f64 {
-    parameter.min + share.powi(2) * parameter.span()
+/// How values lie evenly between the bounds of a parameter.
+#[derive(Clone, Copy)]
+enum Spacing {
+    /// In equal ratios: one bound is decades above the other, as of a gain of which nothing is known.
+    Ratios,
+    /// By the square of the share of the way: friction and inertia are rarely near the top of their bounds.
+    Squares,
+    /// In equal steps.
+    Steps,
 }
 
-/// The value at a share of the way from the lower to the upper bound: in equal ratios where these are decades apart, as those of a gain of
-/// which nothing is known; as a size where none is below 0; else in equal steps.
-fn within_bounds(parameter: &Parameter, share: f64) -> f64 {
-    let ratio = parameter.max / parameter.min;
-    if parameter.min > 0.0 && ratio >= DECADES {
-        parameter.min * ratio.powf(share)
-    } else if parameter.min >= 0.0 {
-        size_within_bounds(parameter, share)
-    } else {
-        parameter.min + share * parameter.span()
+impl Spacing {
+    fn of(parameter: &Parameter) -> Self {
+        match parameter.min {
+            least if least > 0.0 && parameter.max >= DECADES * least => Self::Ratios,
+            least if least >= 0.0 => Self::Squares,
+            _ => Self::Steps,
+        }
     }
-}
 
-/// The share at which [`within_bounds`] is `value`.
-fn share_of(parameter: &Parameter, value: f64) -> f64 {
-    let ratio = parameter.max / parameter.min;
-    if parameter.min > 0.0 && ratio >= DECADES {
-        (value / parameter.min).ln() / ratio.ln()
-    } else if parameter.min >= 0.0 {
-        ((value - parameter.min) / parameter.span()).sqrt()
-    } else {
-        (value - parameter.min) / parameter.span()
+    /// The value at a share of the way from the lower to the upper bound.
+    fn value(self, parameter: &Parameter, share: f64) -> f64 {
+        match self {
+            Self::Ratios => parameter.min * (parameter.max / parameter.min).powf(share),
+            Self::Squares => parameter.min + share.powi(2) * parameter.span(),
+            Self::Steps => parameter.min + share * parameter.span(),
+        }
+    }
+
+    /// The share at which a value is.
+    fn share(self, parameter: &Parameter, value: f64) -> f64 {
+        match self {
+            Self::Ratios => (value / parameter.min).ln() / (parameter.max / parameter.min).ln(),
+            Self::Squares => ((value - parameter.min) / parameter.span()).sqrt(),
+            Self::Steps => (value - parameter.min) / parameter.span(),
+        }
     }
 }
 
@@ -211,11 +219,12 @@ mod tests {
     fn shares_go_from_bound_to_bound_and_back() {
         let of = |least: f64, greatest: f64| Parameter::new("p", "1", greatest, least, greatest).unwrap();
         let (gain, friction, zero) = (of(0.001, 10.0), of(0.0, 2.0), of(-1.0, 1.0));
-        assert!((within_bounds(&gain, 0.5) - 0.1).abs() < 1e-12, "in equal ratios");
-        assert_eq!((within_bounds(&friction, 0.5), within_bounds(&zero, 0.5)), (0.5, 0.0));
+        let at = |parameter: &Parameter, share: f64| Spacing::of(parameter).value(parameter, share);
+        assert!((at(&gain, 0.5) - 0.1).abs() < 1e-12, "in equal ratios");
+        assert_eq!((at(&friction, 0.5), at(&zero, 0.5)), (0.5, 0.0));
         for parameter in [gain, friction, zero] {
             for share in [0.0, 0.3, 1.0] {
-                let back = share_of(&parameter, within_bounds(&parameter, share));
+                let back = Spacing::of(&parameter).share(&parameter, at(&parameter, share));
                 assert!((back - share).abs() < 1e-12, "{} {back}", parameter.max);
             }
         }
