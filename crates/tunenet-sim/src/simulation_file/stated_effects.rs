@@ -13,7 +13,7 @@ pub(super) fn with_tuned_gains(text: String) -> String {
 /// The effect `command_offset` in place of its commented table, to be tuned: commands of a log are often positions of another arm, whose zeros
 /// are not those of this one.
 pub(super) fn with_tuned_offsets(text: String) -> String {
-    let said = "# What gives the commands, such as a leader arm, has zeros of its own: `tune` changes these offsets.";
+    let said = "# The device that gives the commands, such as a leader arm, may have other zeros: `tune` changes these offsets.";
     with_tuned(text, ("command_offset", "rad"), said)
 }
 
