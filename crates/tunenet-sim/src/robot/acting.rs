@@ -67,8 +67,7 @@ fn summed(formulas: &[AppliedTorque], j: usize, at: JointInstant) -> Result<(f64
 
 /// The commands of every step of a trajectory, shape `[step][joint]`, by wires that nothing was read from.
 fn commands(mut wires: Vec<Wire>, out: &Trajectory) -> Vec<Vec<f64>> {
-    let step = |k: usize| wires.iter_mut().map(|wire| wire.step(out.time(k), out.time(k + 1)).goal).collect();
-    (0..out.steps()).map(step).collect()
+    (0..out.steps()).map(|_| wires.iter_mut().map(|wire| wire.command().goal).collect()).collect()
 }
 
 /// Which formula has no finite value on a trajectory, and when; its commands come by these wires, from which nothing was read.
@@ -76,7 +75,7 @@ pub(super) fn undefined(formulas: &[AppliedTorque], wires: Vec<Wire>, out: &Traj
     let commands = commands(wires, out);
     let at = |k: usize, j: usize| {
         let (q, w) = out.state_at(k, j);
-        let half = 0.5 * out.step_s;
+        let half = 0.5 * out.step_s();
         let middle = JointInstant { t: out.time(k) + half, q: q + half * w, dq: w, command: commands[k][j] };
         let part = formulas.iter().find_map(|one| one.undefined(j, middle))?;
         Some(format!("{part} at {:.6} s", out.time(k)))

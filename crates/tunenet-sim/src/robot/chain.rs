@@ -61,12 +61,12 @@ pub(super) fn roll(
     let mut commands = vec![Command { goal: 0.0, on: 1.0 }; n];
     for k in 0..out.steps() {
         for (command, wire) in commands.iter_mut().zip(&mut *wires) {
-            *command = wire.step(out.time(k), out.time(k + 1));
+            *command = wire.command();
         }
-        chain.step((&q, &w), &commands, (out.time(k), out.step_s))?;
+        chain.step((&q, &w), &commands, (out.time(k), out.step_s()))?;
         for j in 0..n {
             let after = chain.after[j];
-            q[j] += 0.5 * out.step_s * (w[j] + after);
+            q[j] += 0.5 * out.step_s() * (w[j] + after);
             if out.holds_torques() {
                 let motor = chain.motors[j];
                 out.torque(k, j, motor.torque - (motor.braking - motor.passive) * 0.5 * (w[j] + after));

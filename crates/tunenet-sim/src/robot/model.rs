@@ -8,7 +8,7 @@ use super::imperfect::Imperfect;
 use super::layout::{Layout, Role, Wiring};
 use super::numbers::JointNumbers;
 use super::rig::Rig;
-use super::trajectory::{Quantity, Readout, Trajectory};
+use super::trajectory::{Grid, Quantity, Readout, Trajectory};
 use super::wiring::Wire;
 use super::{chain, examine, one_joint, two_masses};
 
@@ -48,7 +48,7 @@ impl RobotModel {
         }
         let torques = self.layout.readings.iter().any(|reading| reading.quantity == Quantity::Torque);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
-        Ok(Trajectory::new(start_s, rig.step_s, steps as usize, rig.joints.len(), torques))
+        Ok(Trajectory::new(Grid { start_s, step_s: rig.step_s }, steps as usize, rig.joints.len(), torques))
     }
 }
 
@@ -119,10 +119,10 @@ impl Rollouts for RobotModel {
         }
         let mut out = self.grid(rig, run)?;
         q.iter().zip(&w).enumerate().for_each(|(j, (q, w))| out.state(0, j, *q, *w));
-        let inputs = &run.recording.inputs;
+        let (inputs, grid) = (&run.recording.inputs, out.grid);
         let wire = |(joint, wiring): (&JointNumbers, &Wiring)| {
             let of = |place: Option<usize>| place.and_then(|place| inputs.get(place));
-            Wire::new(joint, of(wiring.command), of(wiring.enable), run.recording.start_s)
+            Wire::new(joint, of(wiring.command), of(wiring.enable), grid)
         };
         let wires = || -> Vec<Wire> { joints.iter().zip(&self.layout.wiring).map(wire).collect() };
         let mut read = wires();

@@ -158,6 +158,12 @@ impl JointNumbers {
         }
     }
 
+    /// The same driven to positions, without what few joints have and what takes time in every step.
+    #[inline]
+    pub(super) const fn plain(self) -> Self {
+        Self { drive: Drive::Position, kd: 0.0, dead_band: 0.0, stribeck: 0.0, quadratic: 0.0, sag_ohm: 0.0, ..self }
+    }
+
     /// The goal or the torque that a recorded command stands for.
     #[inline]
     pub fn commanded(&self, recorded: f64) -> f64 {

@@ -155,17 +155,33 @@ pub(super) const PASSES: usize = 2;
 pub(super) fn roll(
     (joint, load, formulas): (&JointNumbers, &Load, &[AppliedTorque]),
     wire: &mut Wire,
+    state: (f64, f64),
+    out: &mut Trajectory,
+) -> Result<(), &'static str> {
+    // The compiler leaves out of the loop what is known to be absent.
+    if formulas.is_empty() && *joint == joint.plain() {
+        steps::<true>((joint, load, &[]), wire, state, out)
+    } else {
+        steps::<false>((joint, load, formulas), wire, state, out)
+    }
+}
+
+/// As [`roll`]; `PLAIN` says that the joint is [plain](JointNumbers::plain) and that there are no formulas.
+fn steps<const PLAIN: bool>(
+    (joint, load, formulas): (&JointNumbers, &Load, &[AppliedTorque]),
+    wire: &mut Wire,
     (q, w): (f64, f64),
     out: &mut Trajectory,
 ) -> Result<(), &'static str> {
+    let joint = &if PLAIN { joint.plain() } else { *joint };
     let passes = if formulas.is_empty() { 1 } else { PASSES };
-    let dt = out.step_s;
+    let dt = out.step_s();
     let inertia_by_step = (load.inertia + joint.armature) / dt;
     let (mut middle, mut moved, mut w) = (q + 0.5 * dt * w, 0.0, w);
     let mut around = WeightAndSprings::new(joint, load, middle);
     let mut reciprocal = Reciprocal::new();
     for k in 0..out.steps() {
-        let command = wire.step(out.time(k), out.time(k + 1));
+        let command = wire.command();
         let weight = around.torque(middle, moved);
         let demand = joint.demand(command.goal, middle);
         let t = out.time(k) + 0.5 * dt;

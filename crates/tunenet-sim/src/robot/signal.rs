@@ -1,14 +1,13 @@
 //! Means of a sampled signal over integration steps, exact where a sample falls inside a step, and the same behind a rate limiter or a
-//! lag of first order (zero-order or first-order hold: Åström and Wittenmark 1997, section 7).
+//! lag of first order (zero-order or first-order hold: Åström and Wittenmark 1997, section 7). All but the lag are piecewise linear.
 
 use std::borrow::Cow;
 
 use tunenet_core::observation::{Hold, Input};
 
 use super::numbers::JointNumbers;
-
-/// A goal closer than this to what follows it is reached.
-const REACHED: f64 = 1e-12;
+use super::rate_limiter::RateLimiter;
+use super::trajectory::Grid;
 
 /// A signal that is read forward, `delay_s` after it was recorded.
 #[derive(Debug, Clone)]
@@ -19,25 +18,26 @@ pub(super) struct Signal<'a> {
     delay_s: f64,
     /// How many samples lie at or before the end of the last step.
     at: usize,
-    /// What follows the last of them.
+    /// What follows the last of them, behind the limiter.
     piece: Piece,
+    limiter: Option<RateLimiter>,
 }
 
 /// A straight piece of a signal, on the clock of its samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Piece {
-    value: f64,
+pub(super) struct Piece {
+    pub value: f64,
     /// 1/s.
-    slope: f64,
+    pub slope: f64,
     /// Where it has that value.
-    from_s: f64,
-    /// The sample with which it ends.
-    until_s: f64,
+    pub from_s: f64,
+    /// Where it ends.
+    pub until_s: f64,
 }
 
 impl Piece {
     #[inline]
-    fn at(&self, time_s: f64) -> f64 {
+    pub fn at(&self, time_s: f64) -> f64 {
         self.value + self.slope * (time_s - self.from_s)
     }
 }
@@ -47,7 +47,7 @@ impl<'a> Signal<'a> {
     pub fn new(input: &'a Input, start_s: f64, delay_s: f64) -> Self {
         let series = input.series();
         let (clock, values) = (Cow::Borrowed(series.clock()), Cow::Borrowed(series.values()));
-        Self { clock, values, hold: input.hold(), delay_s, at: 0, piece: Piece::default() }.from(start_s)
+        Self { clock, values, hold: input.hold(), delay_s, at: 0, piece: Piece::default(), limiter: None }.from(start_s)
     }
 
     /// The commands in `input` as the joint takes them: scaled, and clipped to its range.
@@ -87,8 +87,21 @@ impl<'a> Signal<'a> {
     /// The same, read from this instant on.
     fn from(mut self, start_s: f64) -> Self {
         self.at = self.clock.partition_point(|t| *t + self.delay_s <= start_s);
+        self.skip_repeated();
         self.piece = self.present();
         self
+    }
+
+    /// Goes on to the last sample of those that repeat the value before them: they are one piece.
+    fn skip_repeated(&mut self) {
+        let ahead = usize::from(self.hold == Hold::Linear);
+        let values = &*self.values;
+        let repeats = |at: usize| {
+            at > 0 && at + ahead < values.len() && values[at - 1..=at + ahead].windows(2).all(|two| two[0] == two[1])
+        };
+        while repeats(self.at) {
+            self.at += 1;
+        }
     }
 
     /// The piece that begins at the last sample.
@@ -112,53 +125,75 @@ impl<'a> Signal<'a> {
         self.piece.at(time_s - self.delay_s)
     }
 
-    /// The straight pieces of the signal from `from_s` to `to_s`: value at the beginning, slope, duration (s).
-    #[inline(never)]
-    fn pieces(&mut self, from_s: f64, to_s: f64, mut piece: impl FnMut(f64, f64, f64)) {
-        let (mut from, to) = (from_s - self.delay_s, to_s - self.delay_s);
-        loop {
-            let end = self.piece.until_s.min(to);
-            if end > from {
-                piece(self.piece.at(from), self.piece.slope, end - from);
-                from = end;
-            }
-            if self.piece.until_s > to {
-                return;
-            }
-            self.at += 1;
-            self.piece = self.present();
-        }
+    /// The same behind a limiter to this rate (1/s), which has the value of the signal at `start_s`.
+    pub fn limited(mut self, greatest_rate: f64, start_s: f64) -> Self {
+        let (mut limiter, at_s) = (RateLimiter::new(greatest_rate), start_s - self.delay_s);
+        self.piece = limiter.behind(self.piece, (at_s, self.piece.at(at_s)));
+        self.limiter = Some(limiter);
+        self
     }
 
-    /// Its value over a step that ends at `to_s`, where it is held and has no sample between them. Steps have to follow one another.
-    #[inline]
-    pub fn held(&self, to_s: f64) -> Option<f64> {
-        let held = self.hold == Hold::Previous && self.piece.until_s > to_s - self.delay_s;
-        held.then_some(self.piece.value)
+    /// Goes on to the piece after the present one.
+    fn advance(&mut self) {
+        if let Some(rest) = self.limiter.as_mut().and_then(RateLimiter::rest) {
+            self.piece = rest;
+            return;
+        }
+        self.at += 1;
+        self.skip_repeated();
+        let (next, at_s) = (self.present(), self.piece.until_s);
+        self.piece = match &mut self.limiter {
+            Some(limiter) => limiter.behind(next, (at_s, self.piece.at(at_s))),
+            None => next,
+        };
     }
 
     /// Its mean from `from_s` to `to_s`. Steps have to follow one another.
     #[inline]
     pub fn mean(&mut self, from_s: f64, to_s: f64) -> f64 {
-        let mut area = 0.0;
-        self.pieces(from_s, to_s, |first, slope, duration| area += (first + 0.5 * slope * duration) * duration);
-        area / (to_s - from_s)
-    }
-
-    /// The mean of what follows it at no more than `greatest_rate` (1/s) from the value `follower` on, which is moved to its value at
-    /// `to_s`.
-    #[inline]
-    pub fn limited_mean(&mut self, from_s: f64, to_s: f64, greatest_rate: f64, follower: &mut f64) -> f64 {
         let (from, to) = (from_s - self.delay_s, to_s - self.delay_s);
         // Most steps lie within one piece.
-        if to < self.piece.until_s {
-            return follow(follower, (self.piece.at(from), self.piece.slope), to - from, greatest_rate) / (to - from);
+        if to < self.piece.until_s { self.piece.at(0.5 * (from + to)) } else { self.mean_of_pieces(from, to) }
+    }
+
+    /// Its means over the steps of `grid` from step `first` on. Steps have to follow one another.
+    pub fn means(&mut self, grid: Grid, first: usize, means: &mut [f64]) {
+        let mut done = 0;
+        while done < means.len() {
+            let next = first + done;
+            let (piece, middle_s) = (self.piece, 0.5 * grid.step_s - self.delay_s);
+            let lasts = (piece.until_s + self.delay_s - grid.time(next)) / grid.step_s;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "the cast saturates: a number of steps"
+            )]
+            let within = (lasts as usize).min(means.len() - done);
+            for (i, mean) in means[done..done + within].iter_mut().enumerate() {
+                *mean = piece.at(grid.time(next + i) + middle_s);
+            }
+            done += within;
+            if let Some(mean) = means.get_mut(done) {
+                *mean = self.mean(grid.time(first + done), grid.time(first + done + 1));
+                done += 1;
+            }
         }
-        let mut area = 0.0;
-        self.pieces(from_s, to_s, |first, slope, duration| {
-            area += follow(follower, (first, slope), duration, greatest_rate);
-        });
-        area / (to_s - from_s)
+    }
+
+    #[inline(never)]
+    fn mean_of_pieces(&mut self, from_s: f64, to_s: f64) -> f64 {
+        let (mut area, mut from) = (0.0, from_s);
+        loop {
+            let end = self.piece.until_s.min(to_s);
+            if end > from {
+                area += self.piece.at(0.5 * (from + end)) * (end - from);
+                from = end;
+            }
+            if self.piece.until_s > to_s {
+                return area / (to_s - from_s);
+            }
+            self.advance();
+        }
     }
 }
 
@@ -190,31 +225,6 @@ impl Lag {
     }
 }
 
-/// Moves `follower` after a straight piece, given by its first value and its slope, for `duration` s; returns its integral over that time.
-#[inline]
-fn follow(follower: &mut f64, (first, slope): (f64, f64), duration: f64, rate: f64) -> f64 {
-    let behind = *follower - first;
-    let mut area = 0.0;
-    let mut left = duration;
-    if behind.abs() > REACHED {
-        let own = -behind.signum() * rate;
-        let closing = slope - own;
-        let meets = closing * behind > 0.0 && behind.abs() < closing.abs() * duration;
-        let until = if meets { behind / closing } else { duration };
-        area += until * (*follower + 0.5 * own * until);
-        *follower += own * until;
-        left -= until;
-        if left <= 0.0 {
-            return area;
-        }
-        *follower = first + slope * until;
-    }
-    let own = slope.clamp(-rate, rate);
-    area += left * (*follower + 0.5 * own * left);
-    *follower += own * left;
-    area
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,15 +245,14 @@ mod tests {
         assert_eq!(signal.mean(1.5, 9.0), 2.0);
     }
 
-    /// The mean of a step within one held sample is that sample, however the step is read.
+    /// The mean of a step within one held sample is that sample, to the last bit.
     #[test]
-    fn a_held_sample_is_read_without_its_mean() {
-        let input = input(Hold::Previous);
-        let mut signal = Signal::new(&input, 0.0, 0.25);
-        assert_eq!((signal.held(0.2), signal.mean(0.0, 1.0)), (Some(0.0), 0.0));
-        assert_eq!((signal.held(1.2), signal.held(1.5), signal.mean(1.0, 1.5)), (Some(0.0), None, 1.0));
-        assert_eq!((signal.held(1.9), signal.mean(1.5, 1.9)), (Some(2.0), 2.0));
-        assert_eq!(Signal::new(&self::input(Hold::Linear), 0.0, 0.0).held(0.5), None);
+    fn a_held_sample_is_its_own_mean() {
+        let channel = Channel::new("goal", "rad");
+        let held = Input::sampled(channel, Hold::Previous, vec![0.0, 1.0, 2.0], vec![0.1, 0.7, 0.7]).unwrap();
+        let mut signal = Signal::new(&held, 0.0, 0.25);
+        assert_eq!((signal.mean(0.0, 0.3), signal.mean(0.3, 1.2)), (0.1, 0.1));
+        assert_eq!(signal.mean(1.25, 1.9), 0.7);
     }
 
     #[test]
@@ -289,18 +298,36 @@ mod tests {
         assert_eq!((signal.mean(0.0, 1.0), signal.mean(1.0, 2.0)), (0.5, 1.0));
     }
 
+    /// Steps of 0.03 s against samples every 0.1 s, some of which repeat the value before them, at a delay of 0.05 s.
+    #[test]
+    fn means_over_a_grid_are_those_of_single_steps() {
+        let clock: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i)).collect();
+        let values = clock.iter().map(|t| (2.0 * t).sin().max(0.0)).collect();
+        let grid = Grid { start_s: 0.2, step_s: 0.03 };
+        for hold in [Hold::Previous, Hold::Linear] {
+            let input = Input::sampled(Channel::new("goal", "rad"), hold, clock.clone(), Vec::clone(&values)).unwrap();
+            for signal in [Signal::new(&input, 0.2, 0.05), Signal::new(&input, 0.2, 0.05).limited(1.5, 0.2)] {
+                let (mut all, mut single) = ([0.0; 150], signal.clone());
+                let mut signal = signal;
+                signal.means(grid, 0, &mut all[..64]);
+                signal.means(grid, 64, &mut all[64..]);
+                for (k, mean) in all.iter().enumerate() {
+                    let one = single.mean(grid.time(k), grid.time(k + 1));
+                    assert!((mean - one).abs() < 1e-14, "{hold:?} {k}: {mean} {one}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_limited_follower_meets_the_line_at_the_instant_of_the_closed_form() {
         // It starts at 0, the goal stands at 2 from t = 1 on, the rate is 4: there after half a second.
         let input = input(Hold::Previous);
-        let mut signal = Signal::new(&input, 0.0, 0.0);
-        let mut follower = 0.0;
-        assert_eq!(signal.limited_mean(0.0, 1.0, 4.0, &mut follower), 0.0);
-        let mean = signal.limited_mean(1.0, 2.0, 4.0, &mut follower);
-        assert!((mean - (0.5 * 1.0 + 0.5 * 2.0)).abs() < 1e-12 && (follower - 2.0).abs() < 1e-12, "{mean} {follower}");
+        let mut signal = Signal::new(&input, 0.0, 0.0).limited(4.0, 0.0);
+        assert_eq!(signal.mean(0.0, 1.0), 0.0);
+        let mean = signal.mean(1.0, 2.0);
+        assert!((mean - (0.5 * 1.0 + 0.5 * 2.0)).abs() < 1e-12 && (signal.now(2.0) - 2.0).abs() < 1e-12, "{mean}");
         // Without a limit that bites the mean is that of the signal itself.
-        let mut free = Signal::new(&input, 0.0, 0.0);
-        let mut after = 0.0;
-        assert!((free.limited_mean(0.0, 1.5, 1e9, &mut after) - 2.0 / 3.0).abs() < 1e-8);
+        assert!((Signal::new(&input, 0.0, 0.0).limited(1e9, 0.0).mean(0.0, 1.5) - 2.0 / 3.0).abs() < 1e-8);
     }
 }

@@ -1,10 +1,24 @@
 //! A rollout on the grid of its steps, and how it is read: late, or by a clock of the device itself.
 
+/// Equal steps from an instant on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Grid {
+    pub start_s: f64,
+    pub step_s: f64,
+}
+
+impl Grid {
+    /// The instant at which step `k` begins.
+    #[inline]
+    pub fn time(self, k: usize) -> f64 {
+        self.start_s + k as f64 * self.step_s
+    }
+}
+
 /// Positions, speeds and motor torques of all joints at every instant of the grid, shape `[instant][joint]`.
 #[derive(Debug, Clone)]
 pub(super) struct Trajectory {
-    pub step_s: f64,
-    start_s: f64,
+    pub grid: Grid,
     joints: usize,
     q: Vec<f64>,
     w: Vec<f64>,
@@ -33,20 +47,25 @@ pub(super) struct Readout {
 }
 
 impl Trajectory {
-    /// So many steps from an instant on.
-    pub fn new(start_s: f64, step_s: f64, steps: usize, joints: usize, torques: bool) -> Self {
+    /// So many steps.
+    pub fn new(grid: Grid, steps: usize, joints: usize, torques: bool) -> Self {
         let size = (steps + 1) * joints;
         let torque = if torques { vec![0.0; size] } else { Vec::new() };
-        Self { step_s, start_s, joints, q: vec![0.0; size], w: vec![0.0; size], torque }
+        Self { grid, joints, q: vec![0.0; size], w: vec![0.0; size], torque }
     }
 
     pub fn steps(&self) -> usize {
         self.q.len() / self.joints - 1
     }
 
+    /// The instant at which step `k` begins.
     #[inline]
     pub fn time(&self, k: usize) -> f64 {
-        self.start_s + k as f64 * self.step_s
+        self.grid.time(k)
+    }
+
+    pub fn step_s(&self) -> f64 {
+        self.grid.step_s
     }
 
     pub fn holds_torques(&self) -> bool {
@@ -84,7 +103,7 @@ impl Trajectory {
         let (series, late) = match what {
             Quantity::Position => (&self.q, 0.0),
             Quantity::Speed => (&self.w, 0.0),
-            Quantity::Torque => (&self.torque, 0.5 * self.step_s),
+            Quantity::Torque => (&self.torque, 0.5 * self.step_s()),
         };
         let end = time_s - readout.delay_s + late;
         if readout.latch_s <= 0.0 {
@@ -92,7 +111,7 @@ impl Trajectory {
         }
         // The mean over one period before, by the trapezoidal rule on the grid and its two ends.
         let (first, last) = (self.place(end - readout.latch_s), self.place(end));
-        let whole = readout.latch_s / self.step_s;
+        let whole = readout.latch_s / self.step_s();
         let held = (whole - (last - first)).max(0.0) * self.value(series, joint, 0.0);
         let mut area = 0.0;
         let mut at = first;
@@ -106,7 +125,7 @@ impl Trajectory {
 
     /// An instant in steps from the start, within the grid.
     fn place(&self, time_s: f64) -> f64 {
-        ((time_s - self.start_s) / self.step_s).clamp(0.0, self.steps() as f64)
+        ((time_s - self.grid.start_s) / self.step_s()).clamp(0.0, self.steps() as f64)
     }
 
     fn value(&self, series: &[f64], joint: usize, place: f64) -> f64 {
@@ -124,7 +143,7 @@ mod tests {
     use super::*;
 
     fn ramp() -> Trajectory {
-        let mut ramp = Trajectory::new(1.0, 0.5, 4, 1, false);
+        let mut ramp = Trajectory::new(Grid { start_s: 1.0, step_s: 0.5 }, 4, 1, false);
         (0..=4).for_each(|k| ramp.state(k, 0, 2.0 * k as f64, 4.0));
         ramp
     }
@@ -139,7 +158,7 @@ mod tests {
     /// A torque that rises by 4 N·m/s, in steps of 0.5 s, each of which has its middle's.
     #[test]
     fn the_torque_of_a_step_is_that_of_its_middle() {
-        let mut rising = Trajectory::new(1.0, 0.5, 4, 1, true);
+        let mut rising = Trajectory::new(Grid { start_s: 1.0, step_s: 0.5 }, 4, 1, true);
         (0..4).for_each(|k| rising.torque(k, 0, 4.0 * 0.5 * (k as f64 + 0.5)));
         let read = |t: f64| rising.read(t, 0, Quantity::Torque, Readout::default());
         assert_eq!((read(1.5), read(1.75), read(2.1), read(2.5)), (2.0, 3.0, 4.4, 6.0));

@@ -42,7 +42,7 @@ pub(super) fn roll(
     if joint.armature <= 0.0 || load.inertia <= 0.0 {
         return Err("backlash and elasticity need an armature and a link with inertia");
     }
-    let dt = out.step_s;
+    let dt = out.step_s();
     let passes = if formulas.is_empty() { 1 } else { PASSES };
     let (stiffness, acting) = if joint.compliance > 0.0 {
         let stiffness = joint.compliance.recip();
@@ -58,7 +58,7 @@ pub(super) fn roll(
     let mut at = q;
     let mut reciprocal = Reciprocal::new();
     for k in 0..out.steps() {
-        let command = wire.step(out.time(k), out.time(k + 1));
+        let command = wire.command();
         let middle = q + 0.5 * dt * w;
         let weight = around.torque(middle, middle - at);
         at = middle;

@@ -5,43 +5,67 @@ use tunenet_core::observation::Input;
 
 use super::numbers::{Command, Drive, JointNumbers};
 use super::signal::{Lag, Signal};
+use super::trajectory::Grid;
+
+/// Commands are computed for so many steps at once, which takes less time than one by one.
+const BLOCK: usize = 64;
 
 /// The command of one joint and whether its motor is on, step by step.
 #[derive(Debug, Clone)]
 pub(super) struct Wire<'a> {
     goal: Option<Signal<'a>>,
     enable: Option<Signal<'a>>,
-    /// The greatest rate of the internal goal, and where that is.
-    limit: Option<(f64, f64)>,
-    /// What lags behind that.
+    /// What lags behind the internal goal.
     lag: Option<Lag>,
+    grid: Grid,
+    /// The commands of the steps from `first` on, and which of them is next.
+    goals: [f64; BLOCK],
+    on: [f64; BLOCK],
+    first: usize,
+    next: usize,
 }
 
 impl<'a> Wire<'a> {
-    /// The wire of a joint from the instant `start_s` on. Without a command the goal is 0, without an enabling input the motor is on.
-    pub fn new(joint: &JointNumbers, goal: Option<&'a Input>, enable: Option<&'a Input>, start_s: f64) -> Self {
-        let goal = goal.map(|input| Signal::of_commands(input, joint, start_s));
-        let enable = enable.map(|input| Signal::new(input, start_s, joint.release_delay_s));
+    /// The wire of a joint over the steps of `grid`. Without a command the goal is 0, without an enabling input the motor is on.
+    pub fn new(joint: &JointNumbers, goal: Option<&'a Input>, enable: Option<&'a Input>, grid: Grid) -> Self {
+        let start_s = grid.time(0);
         let limited = joint.drive == Drive::Position && joint.inverse_speed > 0.0;
-        let limit = goal.as_ref().filter(|_| limited).map(|goal| (joint.inverse_speed.recip(), goal.now(start_s)));
+        let goal = goal.map(|input| {
+            let goal = Signal::of_commands(input, joint, start_s);
+            if limited { goal.limited(joint.inverse_speed.recip(), start_s) } else { goal }
+        });
+        let enable = enable.map(|input| Signal::new(input, start_s, joint.release_delay_s));
         let lags = goal.as_ref().filter(|_| joint.command_lag_s > 0.0);
         let lag = lags.map(|goal| Lag::new(joint.command_lag_s, goal.now(start_s)));
-        Self { goal, enable, limit, lag }
+        let mut wire = Self { goal, enable, lag, grid, goals: [0.0; BLOCK], on: [1.0; BLOCK], first: 0, next: 0 };
+        wire.fill();
+        wire
     }
 
-    /// What arrives from one instant (s) to the next. Steps have to follow one another.
+    /// What arrives in the next step.
     #[inline]
-    pub fn step(&mut self, from_s: f64, to_s: f64) -> Command {
-        let goal = match (&mut self.goal, &mut self.limit) {
-            (Some(goal), Some((rate, at))) => goal.limited_mean(from_s, to_s, *rate, at),
-            (Some(goal), None) => goal.mean(from_s, to_s),
-            (None, _) => 0.0,
-        };
-        let goal = self.lag.as_mut().map_or(goal, |lag| lag.mean(goal, to_s - from_s));
-        let on = self.enable.as_mut().map_or(1.0, |enable| {
-            let mean = enable.held(to_s).unwrap_or_else(|| enable.mean(from_s, to_s));
-            mean.clamp(0.0, 1.0)
-        });
-        Command { goal, on }
+    pub fn command(&mut self) -> Command {
+        if self.next == BLOCK {
+            (self.first, self.next) = (self.first + BLOCK, 0);
+            self.fill();
+        }
+        let command = Command { goal: self.goals[self.next], on: self.on[self.next] };
+        self.next += 1;
+        command
+    }
+
+    /// Computes a block.
+    fn fill(&mut self) {
+        let (grid, first) = (self.grid, self.first);
+        if let Some(goal) = &mut self.goal {
+            goal.means(grid, first, &mut self.goals);
+        }
+        if let Some(lag) = &mut self.lag {
+            self.goals.iter_mut().for_each(|goal| *goal = lag.mean(*goal, grid.step_s));
+        }
+        if let Some(enable) = &mut self.enable {
+            enable.means(grid, first, &mut self.on);
+            self.on.iter_mut().for_each(|on| *on = on.clamp(0.0, 1.0));
+        }
     }
 }

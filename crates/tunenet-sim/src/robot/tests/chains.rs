@@ -2,10 +2,12 @@
 
 use super::super::chain;
 use super::super::one_joint;
-use super::super::trajectory::{Readout, Trajectory};
+use super::super::trajectory::{Grid, Readout, Trajectory};
 use super::super::wiring::Wire;
 use super::*;
 use crate::arm::{Kinematics, gravity};
+
+const GRID: Grid = Grid { start_s: 0.0, step_s: 0.001 };
 
 #[test]
 fn a_chain_of_one_joint_is_that_joint() {
@@ -17,8 +19,8 @@ fn a_chain_of_one_joint_is_that_joint() {
     let none = super::super::imperfect::Imperfect::none(1);
     let (world, down) = rig.world(&none);
     let (goal, on) = (command(|t| (2.0 * t).sin()), on_until(4.0));
-    let wire = || Wire::new(&joint, Some(&goal), Some(&on), 0.0);
-    let mut alone = Trajectory::new(0.0, 0.001, 6000, 1, false);
+    let wire = || Wire::new(&joint, Some(&goal), Some(&on), GRID);
+    let mut alone = Trajectory::new(GRID, 6000, 1, false);
     alone.state(0, 0, 0.1, 0.0);
     let mut among = alone.clone();
     one_joint::roll((&joint, &rig.load(&none).unwrap(), &[]), &mut wire(), (0.1, 0.0), &mut alone).unwrap();
@@ -37,8 +39,8 @@ fn a_motion_that_is_not_finite_is_called_so() {
     let rig = Rig::new(arm(PENDULUM), Vec::new(), (9.81, [0.0; 2]), vec![joint], 0.001);
     let (world, down) = rig.world(&super::super::imperfect::Imperfect::none(1));
     let (goal, on) = (command(|_| 0.0), on_until(4.0));
-    let mut wires = [Wire::new(&joint, Some(&goal), Some(&on), 0.0)];
-    let mut out = Trajectory::new(0.0, 0.001, 100, 1, false);
+    let mut wires = [Wire::new(&joint, Some(&goal), Some(&on), GRID)];
+    let mut out = Trajectory::new(GRID, 100, 1, false);
     let failed = chain::roll((&[joint], &world, down, &[]), &mut wires, (&[0.1], &[0.0]), &mut out);
     assert_eq!(failed, Err("the simulated motion is not finite"));
 }
