@@ -7,7 +7,7 @@
 //! | module | what |
 //! |---|---|
 //! | `signal` | a sampled command: its exact mean over a step |
-//! | `rate_limiter` | a command that may change by no more than a rate |
+//! | `piece`, `rate_limiter` | straight pieces of a command, and a command that may change by no more than a rate |
 //! | `wiring` | how a command reaches the motor |
 //! | `numbers` | a joint with its motor: duty, torque, friction |
 //! | `near_sine` | the sine of an angle that moves little from step to step |
@@ -43,6 +43,7 @@ pub(crate) mod numbers;
 mod observable_scale;
 mod observable_zero;
 mod one_joint;
+mod piece;
 mod rate_limiter;
 pub(crate) mod rig;
 mod signal;

@@ -1,6 +1,6 @@
 //! Rate limiter behind a piecewise linear signal: its output is piecewise linear too, and its corners have closed forms.
 
-use super::signal::Piece;
+use super::piece::Piece;
 
 /// A goal closer than this to what follows it is reached.
 const REACHED: f64 = 1e-12;
