@@ -4,7 +4,9 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{Candidate, Change, Diagnosis, Doubt, NamedEffect, PartGap, Progress, Verdict};
+use tunenet_core::diagnose::{
+    Candidate, Change, Conclusion, Diagnosis, Doubt, NamedEffect, PartGap, Progress, Verdict,
+};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
@@ -323,7 +325,14 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
             gap if gap < 0.0 => format!("{} ahead", whole(-gap)),
             gap => format!("{} behind", whole(gap)),
         };
-        line = format!("next best: {name}, {place}; candidates within ΔBIC {:.0} are kept; {line}", diagnosis.margin);
+        let kept = match &diagnosis.conclusion {
+            // What is farther behind is kept where a doubt forbids a lone name.
+            Conclusion::OneOf { names, .. } if gap > diagnosis.margin && names.contains(name) => {
+                "kept with the best, which is in doubt".to_owned()
+            }
+            _ => format!("candidates within ΔBIC {:.0} are kept", diagnosis.margin),
+        };
+        line = format!("next best: {name}, {place}; {kept}; {line}");
     }
     Some(line)
 }
