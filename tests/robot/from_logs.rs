@@ -74,6 +74,23 @@ fn a_table_in_its_own_words_and_in_degrees_is_read_as_one_of_ours() {
     assert!((tuned(&found) - 0.5).abs() < 0.05, "{found}");
 }
 
+#[test]
+fn a_column_of_switches_releases_the_motors() {
+    let folder = models::folder();
+    let row = |[t, q1, q2, u1, u2]: [f64; 5]| format!("{t},{q1},{q2},{u1},{u2},{}\n", u8::from(t < 2.0));
+    let header = "t_s,shoulder_rad,elbow_rad,shoulder_goal_rad,elbow_goal_rad,Torque Enable\n".to_owned();
+    folder
+        .write("own.csv", std::iter::once(header).chain(rolled_out(&folder).into_iter().map(row)).collect::<String>());
+    let ran = folder.run("init robot --model two.xml --from own.csv --out own.toml --json").ends(0);
+    assert!(ran.stderr.contains("motors   released where Torque Enable is 0"), "{}", ran.stderr);
+    assert_eq!(ran.json()["switch"], json!({ "column": "Torque Enable", "topic": null }));
+    let text = folder.text("own.toml");
+    assert!(text.contains("column = \"Torque Enable\"\ndefault = 1.0"), "{text}");
+    assert_eq!(text.matches("enable = \"torque_on\"").count(), 2, "{text}");
+    let read = folder.run("tune --sim own.toml own.csv --quick --max-rollouts 40 --json");
+    assert!(!read.stdout.contains("columns.ignored"), "{}", read.stdout);
+}
+
 /// A gripper's driver publishes on the topic of the arm as well, and its message may come first.
 #[test]
 fn commands_are_found_in_their_own_topic_by_the_names_of_joints() {

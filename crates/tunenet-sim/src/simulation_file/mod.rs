@@ -46,7 +46,7 @@ pub use moved::seen_from;
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use robot_effects::PresentRobotEffect;
 pub use robot_keys::{ROBOT_EFFECT_KEYS, ROBOT_KEYS, ROBOT_TABLES};
-pub use robot_template::{JointColumns, RobotStart, command_input, position_channel, robot_template};
+pub use robot_template::{JointColumns, LogColumn, RobotStart, command_input, position_channel, robot_template};
 pub use template::template;
 
 use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, RobotScene, Scene};

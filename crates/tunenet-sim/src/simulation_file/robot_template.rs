@@ -23,9 +23,24 @@ pub struct JointColumns {
     /// The channel of its positions.
     pub channel: String,
     /// The column of its commands.
-    pub command: String,
-    /// The topic of a log that these stand in.
+    pub command: LogColumn,
+}
+
+/// A column of a log.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LogColumn {
+    /// Its name.
+    pub column: String,
+    /// The topic of a log that it stands in.
     pub topic: Option<String>,
+}
+
+impl LogColumn {
+    /// The keys by which an input names it.
+    fn keys(&self) -> String {
+        let topic = self.topic.iter().map(|topic| line(&format!("topic = {}", toml_edit::value(topic))));
+        topic.chain([line(&format!("column = {}", toml_edit::value(&self.column)))]).collect()
+    }
 }
 
 /// What the file starts from besides the joints and links of the model.
@@ -37,8 +52,10 @@ pub struct RobotStart {
     pub drives: Vec<StatedDrive>,
     /// What the model states of gravity; 9.81 m/s² downwards where it does not.
     pub gravity: Option<StatedGravity>,
-    /// The joints that a log has, and where; `None` without a log. Other joints are held, and no motor is ever released.
+    /// The joints that a log has, and where; `None` without a log. Other joints are held.
     pub columns: Option<Vec<JointColumns>>,
+    /// The column of a log that says whether motors are on; without one, no motor is ever released.
+    pub switch: Option<LogColumn>,
     /// Rows of the log per second, where that is known.
     pub rate_hz: Option<f64>,
 }
@@ -61,6 +78,11 @@ impl RobotStart {
     #[must_use]
     pub fn lacks_actuator(&self, joint: &str) -> bool {
         self.motor(joint).is_some_and(|motor| motor.gain.is_none() && motor.drive == Drive::Position)
+    }
+
+    /// Whether motors may be released: by a column of the log, or by an input where there is no log.
+    fn releases(&self) -> bool {
+        self.columns.is_none() || self.switch.is_some()
     }
 
     fn columns(&self, joint: &str) -> Option<&JointColumns> {
@@ -98,7 +120,10 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
     let kept =
         |joint: &&Joint| is_name(&joint.name) && (start.columns.is_none() || start.columns(&joint.name).is_some());
     let named: Vec<&Joint> = joints.into_iter().filter(kept).collect();
-    let mut own = if start.columns.is_none() { String::from(SWITCH) } else { String::new() };
+    let mut own = String::new();
+    if start.releases() {
+        own = format!("{SWITCH}{}default = 1.0\n", start.switch.as_ref().map_or_else(String::new, LogColumn::keys));
+    }
     for joint in &named {
         tables(&mut own, joint, start);
     }
@@ -147,12 +172,12 @@ pub fn robot_template(path: &str, model: &Model, start: &RobotStart) -> String {
             match number {
                 "zero" if start.columns.is_some() => default = zero_of_a_log(joint),
                 // Such a log shows both brakings as one, which is tuned as `viscous`; and a torque is that of the joint.
-                "back_emf" if start.columns.is_some() || of_torques => default[0] = 0.0,
+                "back_emf" if !start.releases() || of_torques => default[0] = 0.0,
                 "armature" if one_gain && states_inertia(motor, joint) => default = near_stated(default[0]),
                 _ => {}
             }
             // A model has one number for both brakings, and only a released motor separates them.
-            let together = motor.is_some() || start.columns.is_some() || of_torques;
+            let together = motor.is_some() || !start.releases() || of_torques;
             // Of a servo without weight, only ratios of torques and inertias show: its inertia is taken for known.
             let hidden = match number {
                 "zero" => !shown.contains(&joint.name.as_str()),
@@ -215,13 +240,10 @@ fn tables(text: &mut String, joint: &Joint, start: &RobotStart) {
     let command = command_input(joint, drive);
     text.push_str(&line(&format!("\n[inputs.{command}]")));
     if let Some(columns) = columns {
-        if let Some(topic) = &columns.topic {
-            text.push_str(&line(&format!("topic = {}", toml_edit::value(topic))));
-        }
-        text.push_str(&line(&format!("column = {}", toml_edit::value(&columns.command))));
+        text.push_str(&columns.command.keys());
     }
     text.push_str(&line(&format!("\n[joints.{name}]\ndrive = \"{word}\"\ncommand = \"{command}\"")));
-    if start.columns.is_none() {
+    if start.releases() {
         text.push_str("enable = \"torque_on\"\n");
     }
     let channel = columns.map_or_else(|| position_channel(joint, None), |columns| columns.channel.clone());
@@ -280,7 +302,6 @@ fn commands(text: &mut String, motor: &StatedMotor, unit: &str) {
 const SWITCH: &str = "
 [inputs.torque_on]
 # Whether motors are on: 0 releases them.
-default = 1.0
 ";
 
 #[cfg(test)]
@@ -297,10 +318,15 @@ mod tests {
         <actuator><position joint='Lift' kp='18' kv='1.5' forcerange='-3 3' ctrlrange='-1 2'/><motor joint='reach'/></actuator></mujoco>";
 
     fn written(columns: Option<Vec<JointColumns>>) -> SimulationFile {
+        switched(columns, None)
+    }
+
+    fn switched(columns: Option<Vec<JointColumns>>, switch: Option<LogColumn>) -> SimulationFile {
         let path = Path::new("m.xml");
         let robot = tunenet_models::Model::parse_alone(path, MODEL).unwrap();
         let rate_hz = columns.is_some().then_some(30.0);
-        let start = RobotStart { motors: stated_motors(robot.robot()), columns, rate_hz, ..RobotStart::default() };
+        let start =
+            RobotStart { motors: stated_motors(robot.robot()), columns, switch, rate_hz, ..RobotStart::default() };
         let model = crate::arm::model_file::parse_mjcf(path, MODEL).unwrap();
         let text = robot_template("m \"x\".xml", &model, &start);
         SimulationFile::parse(Path::new("robot.toml"), &text).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -407,12 +433,22 @@ mod tests {
     }
 
     #[test]
+    fn a_column_of_a_log_releases_all_motors() {
+        let column = |name: &str| LogColumn { column: name.into(), topic: Some("/state".into()) };
+        let lift = JointColumns { joint: "Lift".into(), channel: "lift_rad".into(), command: column("goal") };
+        let file = switched(Some(vec![lift]), Some(column("motor_on")));
+        let robot = file.robot().unwrap();
+        assert_eq!(robot.joints["Lift"].enable.as_deref(), Some("torque_on"));
+        let input = &robot.inputs["torque_on"];
+        assert_eq!((input.column.as_deref(), input.topic.as_deref()), (Some("motor_on"), Some("/state")));
+    }
+
+    #[test]
     fn a_log_says_which_joints_move_and_where_their_numbers_are() {
         let one = JointColumns {
             joint: "Lift".into(),
             channel: "lift_rad".into(),
-            command: "action.lift".into(),
-            topic: None,
+            command: LogColumn { column: "action.lift".into(), topic: None },
         };
         let file = written(Some(vec![one]));
         let robot = file.robot().unwrap();

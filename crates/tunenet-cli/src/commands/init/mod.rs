@@ -8,6 +8,7 @@ mod limits;
 mod messages;
 mod place;
 mod robot;
+mod switch;
 mod topics;
 mod typed;
 mod typed_clock;
@@ -37,7 +38,13 @@ const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../../asset
 /// What is written: of a robot whose model is given, its own joints.
 fn started(options: &Init, domain: Domain, out: &Path) -> Result<Started> {
     let Some(urdf) = &options.urdf else {
-        return Ok(Started { text: template(domain), recording: None, columns: Vec::new(), notes: Vec::new() });
+        return Ok(Started {
+            text: template(domain),
+            recording: None,
+            columns: Vec::new(),
+            switch: None,
+            notes: Vec::new(),
+        });
     };
     if domain != Domain::Robot {
         let (expected, found) = ("`--urdf` with `init robot` only".into(), format!("`init {}`", domain.name()));
@@ -66,7 +73,7 @@ pub fn run(options: &Init) -> Result<Exit> {
     let outputs =
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
-    let Started { text, recording, columns, notes } = started(options, domain, &out)?;
+    let Started { text, recording, columns, switch, notes } = started(options, domain, &out)?;
     write_atomically(&out, |file| file.write_all(text.as_bytes()))?;
     stage("wrote", &shown_path(&out));
     if let Some(program) = program {
@@ -76,6 +83,7 @@ pub fn run(options: &Init) -> Result<Exit> {
     for columns in &columns {
         stage("joint", &columns.described());
     }
+    switch::show(switch.as_ref());
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     let path = shell_word(&out.to_string_lossy());
     match &recording {
@@ -101,6 +109,7 @@ pub fn run(options: &Init) -> Result<Exit> {
             "warnings": notes.iter().map(warning).collect::<Vec<_>>() });
         if options.from.is_some() {
             object["joints"] = columns.iter().map(Columns::object).collect();
+            object["switch"] = switch::object(switch.as_ref());
         }
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();

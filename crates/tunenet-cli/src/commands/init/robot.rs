@@ -6,7 +6,7 @@ use anyhow::Result;
 use tunenet_core::observation::Note;
 use tunenet_formats::{Contents, ReadOptions, contents_with, read_calibration};
 use tunenet_sim::arm::Joint;
-use tunenet_sim::simulation_file::{JointColumns, position_channel, robot_template, seen_from};
+use tunenet_sim::simulation_file::{JointColumns, LogColumn, position_channel, robot_template, seen_from};
 
 use super::asked::refuse_unnamed;
 use super::columns::{Columns, columns};
@@ -14,6 +14,7 @@ use super::flags::flags;
 use super::joint_notes::{held, in_other_messages, unnameable, without_actuator};
 use super::messages::in_one_message;
 use super::place::Place;
+use super::switch::switch;
 use super::typed;
 use super::typed_units::Recorded;
 use crate::args::Init;
@@ -26,6 +27,8 @@ pub struct Started {
     pub recording: Option<String>,
     /// Where the recording has the numbers of each joint.
     pub columns: Vec<Columns>,
+    /// The column that says whether motors are on.
+    pub switch: Option<LogColumn>,
     pub notes: Vec<Note>,
 }
 
@@ -69,12 +72,14 @@ pub fn started(options: &Init, urdf: &Path, out: &Path) -> Result<Started> {
         let one = |columns: &Columns| {
             let joint = joints.iter().find(|joint| joint.name == columns.joint)?;
             let Place { column, topic } = columns.command.clone();
-            Some(JointColumns { joint: joint.name.clone(), channel: channel(joint, columns), command: column, topic })
+            let command = LogColumn { column, topic };
+            Some(JointColumns { joint: joint.name.clone(), channel: channel(joint, columns), command })
         };
+        start.switch = switch(&named);
         start.columns = Some(columns.iter().filter_map(one).collect());
         found = columns;
     }
     let seen = seen_from(out, urdf).map_or_else(|| std::path::absolute(urdf), Ok)?;
     let text = robot_template(&seen.to_string_lossy(), &model, &start);
-    Ok(Started { text, recording, columns: found, notes })
+    Ok(Started { text, recording, columns: found, switch: start.switch, notes })
 }
