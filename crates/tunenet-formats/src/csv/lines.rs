@@ -153,7 +153,7 @@ pub(crate) enum NoNumber {
     NotFinite,
 }
 
-/// A finite number, or what is wrong with the cell. A comma counts as the decimal mark where it is not the separator.
+/// A finite number, or what is wrong with the cell; `true` is 1 and `false` is 0. A comma counts as the decimal mark where it is not the separator.
 pub(crate) fn number(text: &str, separator: Option<char>) -> std::result::Result<f64, NoNumber> {
     let value = if separator != Some(',') && text.matches(',').count() == 1 && !text.contains('.') {
         text.replace(',', ".").parse::<f64>()
@@ -163,6 +163,9 @@ pub(crate) fn number(text: &str, separator: Option<char>) -> std::result::Result
     match value {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(NoNumber::NotFinite),
+        // As Python writes whether a motor is on.
+        Err(_) if text.eq_ignore_ascii_case("true") => Ok(1.0),
+        Err(_) if text.eq_ignore_ascii_case("false") => Ok(0.0),
         Err(_) => Err(NoNumber::Word),
     }
 }
@@ -186,6 +189,7 @@ mod tests {
         assert_eq!(number("-1.5e-3", Some(',')), Ok(-0.0015));
         assert_eq!(number("nan", Some(',')), Err(NoNumber::NotFinite));
         assert_eq!(number("1e999", Some(',')), Err(NoNumber::NotFinite));
+        assert_eq!((number("True", Some(',')), number("false", None)), (Ok(1.0), Ok(0.0)));
         assert_eq!(number("0.6b31", None), Err(NoNumber::Word));
         assert_eq!(number("1,234.5", Some(';')), Err(NoNumber::Word));
     }
