@@ -1,7 +1,7 @@
 //! A servo of a small arm that swings a load: runs at four gains with two loads at two lengths, half of them held out with other loads at
 //! each gain.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde_json::Value;
@@ -66,9 +66,9 @@ pub fn rows(measured: &Path, folder: &Path) -> Result<Vec<Row>> {
     }
     let names: Vec<&str> = list(&first["effects"]).iter().filter_map(|effect| effect["name"].as_str()).collect();
     let (rollouts, seconds) = (number(&first["rollouts"])?, number(&first["seconds"])?);
-    let one = held_out(&std::fs::read_to_string(folder.join("runs.toml"))?)?;
-    let one = measured.join(one.first().context("a held-out run")?);
-    let (speed, long_s, samples) = rollouts_per_second(&folder.join("found-1.toml"), &one)?;
+    let runs = held_out(&std::fs::read_to_string(folder.join("runs.toml"))?)?;
+    let runs: Vec<PathBuf> = runs.iter().map(|name| measured.join(name)).collect();
+    let speed = rollouts_per_second(&folder.join("found-1.toml"), &runs)?;
     let right = names.len() == SERVO_NAMES.len() && SERVO_NAMES.iter().all(|name| names.contains(name));
     let unknown = first["verdict"] != "named";
     Ok(vec![
@@ -108,11 +108,14 @@ pub fn rows(measured: &Path, folder: &Path) -> Result<Vec<Row>> {
             met: Some(seconds <= SERVO_S),
         },
         Row {
-            what: format!("servo with these effects, {long_s:.0} s at 1 ms, {samples} samples, one thread"),
+            what: format!(
+                "servo with these effects, {:.0} s at 1 ms, {} samples, one thread, over all held-out runs (over the slowest)",
+                speed.longest_s, speed.samples
+            ),
             aim: format!("at least {SERVO_ROLLOUTS_1_S} rollouts/s"),
-            measured: format!("{speed:.0} rollouts/s"),
+            measured: format!("{:.0} ({:.0}) rollouts/s", speed.all, speed.slowest),
             others: "1800 to 2200 by numba, 6 to 12 by MuJoCo through Python".into(),
-            met: Some(speed >= SERVO_ROLLOUTS_1_S),
+            met: Some(speed.all >= SERVO_ROLLOUTS_1_S),
         },
     ])
 }
