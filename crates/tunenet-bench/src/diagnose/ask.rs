@@ -8,6 +8,7 @@ use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Simulator;
+use tunenet_sim::law::contested;
 use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::blind::RADIUS_M;
@@ -89,6 +90,7 @@ pub struct RequestedThrow {
 
 /// Who is asked.
 pub struct Asked {
+    file: SimulationFile,
     simulator: Box<dyn Simulator>,
 }
 
@@ -114,7 +116,8 @@ impl Asked {
         for key in keys {
             file.set(key)?;
         }
-        Ok(Self { simulator: simulator(&file, Kind::Positions, &Session::default())? })
+        let simulator = simulator(&file, Kind::Positions, &Session::default())?;
+        Ok(Self { file, simulator })
     }
 
     /// The answer to `seen`, judged by `held_out`, and the throw that it asks for next.
@@ -133,6 +136,8 @@ impl Asked {
         let settings = Settings { set_aside: false, ..Settings::default() };
         let began = Instant::now();
         let diagnosis = diagnose(&subjects, &recordings, &settings, &|_| {})?;
+        let all: Vec<&Observation> = seen.iter().chain(held_out).collect();
+        let diagnosis = contested(&self.file, diagnosis, &all)?;
         let seconds = began.elapsed().as_secs_f64();
         Ok((answer(&diagnosis, seconds)?, throw(&diagnosis)))
     }

@@ -22,7 +22,7 @@ pub(super) const DIFFERENCE: f64 = 1e-4;
 pub(super) struct Around {
     pub response: Response,
     /// Derivatives by the base model's parameters and by initial states.
-    columns: Vec<Columns>,
+    pub columns: Vec<Columns>,
     /// The base model's parameters and initial states.
     pub point: Point,
 }

@@ -27,6 +27,7 @@
 //! | `gates` | what a law has to pass, and what casts a doubt on it |
 //! | `alone` | which laws a law has to surpass before it stands alone |
 //! | `decay` | a force with a hidden state that it has to surpass as well |
+//! | `contest` | whether something in no catalogue surpasses effects that were named |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `course` | its force along each variable, and what the recordings ask for there |
 //! | `answer`, `reason` | what a search ends with, and why not with one law |
@@ -38,6 +39,7 @@ mod around;
 mod begin;
 mod between;
 mod colour;
+mod contest;
 mod course;
 mod decay;
 mod evidence;
@@ -66,6 +68,7 @@ mod term;
 mod tests;
 
 pub use answer::{Answer, Followed, FoundTerm, Member, Number, Refused, Rounded, Verdict};
+pub use contest::{Contest, contest};
 pub use course::{Bin, Course, Sample};
 pub use gates::{
     CHANCE, Failure, Gates, LEAST_PROBABILITY, LIKELY_FORCE_NATS, MOST_FORCE_NATS, MOST_HELD_OUT,

@@ -139,14 +139,38 @@ impl<'a> Session<'a> {
         let mut tried = found.into_iter().map(settled);
         let first = tried.next().unwrap_or_else(|| Err(refused.unwrap_or_else(|| problem.unaffordable())));
         let (base, linear) = first.or_else(|error| tried.find_map(Result::ok).ok_or(error))?;
+        Ok(Self { before, allowed, ..Self::about(host, recordings, (noise, colour), (base, linear, free), log) })
+    }
+
+    /// About the fit that begins at a point where another fit of the same recordings ended.
+    pub fn again(
+        host: &'a dyn Host,
+        recordings: &'a [Prepared],
+        (noise, colour, known): (&'a [Vec<f64>], Colour, &Point),
+        log: &'a RolloutLog,
+    ) -> Result<Self> {
+        let simulator = host.carrying(&[])?;
+        let free = free(simulator.parameters(), recordings);
+        let problem = Problem { simulator: simulator.as_ref(), recordings, noise, free: &free, log: Some(log) };
+        let mut base = problem.fit(known.clone(), 1.0)?;
+        let linear = problem.settle(&mut base)?;
+        Ok(Self::about(host, recordings, (noise, colour), (base, linear, free), log))
+    }
+
+    fn about(
+        host: &'a dyn Host,
+        recordings: &'a [Prepared],
+        (noise, colour): (&'a [Vec<f64>], Colour),
+        (base, linear, free): (Fit, Linearisation, Vec<usize>),
+        log: &'a RolloutLog,
+    ) -> Self {
         let (squares, count) = (counted(&base), independent(&base.residuals, colour));
-        let short = AtomicBool::new(false);
-        Ok(Self {
+        Self {
             host,
             recordings,
             noise,
             log,
-            before,
+            before: 0,
             base,
             linear,
             free,
@@ -154,9 +178,9 @@ impl<'a> Session<'a> {
             count,
             colour,
             factors: 1,
-            allowed,
-            short,
-        })
+            allowed: usize::MAX,
+            short: AtomicBool::new(false),
+        }
     }
 
     /// The recordings as a problem for another simulator.

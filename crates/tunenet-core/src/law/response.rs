@@ -17,7 +17,7 @@ use crate::statistics::{mean, quantile};
 const SAMPLES: usize = 3;
 const MOST_PIECES: usize = 40;
 /// Instants of a piece over which the factors of a term are averaged: an odd number, so that one is the middle.
-const INSTANTS: usize = 5;
+pub(super) const INSTANTS: usize = 5;
 /// Directions of the acceleration that change the record by less than this share of the strongest are left out.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -160,6 +160,13 @@ impl Response {
         let visited: Vec<&[Visit]> = parts.iter().map(|(visits, _)| visits.as_slice()).collect();
         let ranges = ranges(&visited, space.variables.len());
         Ok(Self::reduced(parts, without, columns, ranges, space.axes.len()))
+    }
+
+    /// The same where a fit leaves these residuals and has other derivatives by its parameters and by initial states.
+    pub fn leaving(&self, without: Vec<Vec<f64>>, columns: &[Columns]) -> Self {
+        let parts = self.parts.iter().map(|part| (part.all.clone(), part.response.clone())).collect();
+        let axes = self.parts.first().map_or(0, |part| part.axes.len());
+        Self::reduced(parts, without, columns, self.ranges.clone(), axes).counting(self.count)
     }
 
     /// The same of recordings that hold so many independent values.

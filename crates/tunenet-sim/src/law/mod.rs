@@ -5,10 +5,14 @@
 //! | `ball` | accelerations of a ball in flight |
 //! | `equations` | what is added to derivatives |
 //! | `written` | a law that was found as a candidate of a simulation file |
+//! | `contested` | named effects against what no catalogue holds |
+//! | `known` | where fits begin |
 //! | `outside` | where a simulation leaves the range in which it was seen |
 
 mod ball;
+mod contested;
 mod equations;
+mod known;
 mod outside;
 mod visiting;
 mod written;
@@ -21,6 +25,8 @@ use tunenet_formula::Unit;
 use crate::SimulationFile;
 use crate::simulation_file::Domain;
 
+pub use contested::contested;
+pub use known::known;
 pub use outside::outside;
 pub use written::written;
 

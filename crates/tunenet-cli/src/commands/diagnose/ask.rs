@@ -3,7 +3,8 @@
 use anyhow::Result;
 use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject};
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Note, Observation};
+use tunenet_sim::law::contested;
 use tunenet_sim::simulation_file::Domain;
 
 use crate::answers::diagnose::Loaded;
@@ -24,7 +25,14 @@ pub fn ask(loaded: &Loaded, settings: &Settings) -> Result<Diagnosis> {
     if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
         return Err(refusal.into());
     }
-    let mut diagnosis = diagnosis?;
+    let mut diagnosis = match loaded.objects.as_slice() {
+        // A quick diagnosis ends with its first explanation, and a limit of rollouts holds for all.
+        [object] if object.setups.len() == 1 && !settings.quick && settings.max_rollouts.is_none() => {
+            let seen: Vec<&Observation> = loaded.recorded.iter().map(|one| &one.seen).collect();
+            contested(&object.file, diagnosis?, &seen)?
+        }
+        _ => diagnosis?,
+    };
     for object in &loaded.objects {
         let which = if loaded.objects.len() > 1 { format!("{}: ", object.name) } else { String::new() };
         let notes = object.session.notes().into_iter();

@@ -7,7 +7,7 @@ use tunenet_core::diagnose::{Diagnosis, Verdict};
 use tunenet_core::law::{Named, Settings, has_noise, search};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator, measurement_effects};
 
-use super::law_start::{known, named};
+use super::law_start::named;
 use super::weigh::adequate;
 use crate::answers::diagnose::Loaded;
 use crate::answers::law::{Found, Law};
@@ -89,7 +89,7 @@ fn searched(
     // In the order in which a simulator takes their coefficients.
     let of_measurement = measurement_effects(kind);
     rival.sort_by_key(|one| of_measurement.iter().any(|effect| effect.name == one.name));
-    let known = known(diagnosis, base.parameters(), &fitted);
+    let known = tunenet_sim::law::known(diagnosis, base.parameters(), &fitted);
     let settings = Settings { rival, rival_explains, apart, known, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));

@@ -94,8 +94,8 @@ impl Numbers<'_> {
 fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
     let Judgement { context, found, decision, .. } = judged;
     let effects = || {
-        let each = found.selected.iter().zip(&decision.alternatives);
-        each.map(|(selected, near)| named(context, numbers, selected, near)).collect()
+        let each = found.selected.iter().zip(&decision.alternatives).zip(&decision.distinct);
+        each.map(|((selected, near), distinct)| named(context, numbers, selected, (near, *distinct))).collect()
     };
     Ok(match decision.verdict {
         Verdict::None => Conclusion::None,
@@ -158,7 +158,12 @@ fn check_settings(judged: &Judgement) -> Option<String> {
     })
 }
 
-fn named(context: &Context, numbers: &Numbers, selected: &SelectedEffect, alternatives: &[usize]) -> NamedEffect {
+fn named(
+    context: &Context,
+    numbers: &Numbers,
+    selected: &SelectedEffect,
+    (alternatives, is_distinct): (&[usize], bool),
+) -> NamedEffect {
     let model = numbers.model;
     let entry = &context.catalogue[selected.entry];
     let position = model.structure.effects.iter().position(|&e| e == selected.entry);
@@ -201,6 +206,7 @@ fn named(context: &Context, numbers: &Numbers, selected: &SelectedEffect, altern
             runner_up: next.map(|(other, _)| context.catalogue[*other].name.clone()),
             runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
             p_value: selected.p_value,
+            is_distinct,
         },
         alternatives: alternatives.iter().map(|&other| context.catalogue[other].name.clone()).collect(),
     }

@@ -69,6 +69,8 @@ pub struct Evidence {
     pub runner_up_bic_gap: f64,
     /// Probability of such a gain by chance, already multiplied by the number of candidates (Bonferroni).
     pub p_value: f64,
+    /// Whether nothing else in the catalogue is as likely, so that alternatives are left for a doubt alone.
+    pub is_distinct: bool,
 }
 
 /// An effect of the answer.

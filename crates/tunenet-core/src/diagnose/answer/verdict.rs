@@ -20,6 +20,8 @@ pub(in crate::diagnose) struct Decision {
     pub verdict: Verdict,
     /// For each effect of the best structure: what could be in its place. Empty where it has none.
     pub alternatives: Vec<Vec<usize>>,
+    /// For each effect of the best structure: whether nothing else in the catalogue is as likely.
+    pub distinct: Vec<bool>,
     /// All names that are left, or the nearest.
     pub names: Vec<Text>,
     /// How far behind the best an explanation is still left.
@@ -57,7 +59,14 @@ pub(in crate::diagnose) fn decide(
     let names =
         |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name.clone()).collect());
     let widest = context.margin();
-    let ended = |verdict, names| Decision { verdict, alternatives: Vec::new(), names, margin: widest, doubt: None };
+    let ended = |verdict, names| Decision {
+        verdict,
+        alternatives: Vec::new(),
+        distinct: Vec::new(),
+        names,
+        margin: widest,
+        doubt: None,
+    };
     if found.best.is_none() {
         if adequate {
             return ended(Verdict::None, Vec::new());
@@ -79,7 +88,7 @@ pub(in crate::diagnose) fn decide(
         return ended(Verdict::Unknown, names(&mut std::iter::once(selected.entry)));
     }
     let mut alternatives = Vec::with_capacity(found.selected.len());
-    let mut near_any = false;
+    let (mut distinct, mut near_any) = (Vec::with_capacity(found.selected.len()), false);
     for selected in &found.selected {
         let mut near = in_place_of(context, selected, widest);
         // One motion does not distinguish what is in the catalogue from what is not, so the next best is kept with the best; where
@@ -92,6 +101,7 @@ pub(in crate::diagnose) fn decide(
             None => doubtful(context, selected, confirmed),
         };
         near_any |= !near.is_empty();
+        distinct.push(near.is_empty() && !self::doubtful(context, selected, confirmed));
         if near.is_empty() && doubtful && !leaves_unknown(context, found, validation.as_ref()) {
             near.extend(runner_up(context, found, selected));
         }
@@ -125,7 +135,14 @@ pub(in crate::diagnose) fn decide(
             }
         })
     });
-    Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
+    Decision {
+        verdict: if open { Verdict::OneOf } else { Verdict::Named },
+        alternatives,
+        distinct,
+        names,
+        margin,
+        doubt,
+    }
 }
 
 /// Whether an effect is not named alone although nothing comes near it: a single motion shows it, or no recording that was not
@@ -179,6 +196,26 @@ impl Diagnosis {
             for object in self.objects.iter_mut().filter(|object| object.verdict == Verdict::None) {
                 object.verdict = Verdict::Unknown;
             }
+        }
+        self
+    }
+
+    /// The same with its effects named alone, where only this doubt kept others with them.
+    #[must_use]
+    pub fn undoubted(mut self, resolved: &Doubt) -> Self {
+        let Conclusion::OneOf { effects, doubt: Some(doubt), .. } = &mut self.conclusion else { return self };
+        if doubt != resolved || !effects.iter().all(|named| named.evidence.is_distinct) {
+            return self;
+        }
+        let mut effects = std::mem::take(effects);
+        for named in &mut effects {
+            named.alternatives.clear();
+        }
+        self.conclusion = Conclusion::Named { effects };
+        // It was to distinguish what was left.
+        self.next_experiment = None;
+        for object in self.objects.iter_mut().filter(|object| object.verdict == Verdict::OneOf) {
+            object.verdict = Verdict::Named;
         }
         self
     }

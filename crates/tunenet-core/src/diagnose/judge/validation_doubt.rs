@@ -61,6 +61,8 @@ pub enum Doubt {
     HeldOutUnexplained,
     /// A force that decays from a value of its own in each recording explains more.
     DecayingForce,
+    /// A force or a push at contacts that is in no catalogue explains as much, or a force is left.
+    InNoCatalogue,
     /// Another effect explains far more, with a coefficient that is not physical.
     ExcludedExplainsMore(OutOfRange),
     /// One of several effects has a coefficient that is not physical, which only the freedom of the others makes admissible.
@@ -100,6 +102,7 @@ impl Doubt {
                 | Self::Imitated(..)
                 | Self::HeldOutUnexplained
                 | Self::DecayingForce
+                | Self::InNoCatalogue
                 | Self::Unconfirmed
                 | Self::WithinStepError
                 | Self::LateInputs(_)
@@ -125,6 +128,7 @@ impl fmt::Display for Doubt {
             Self::Imitated(effect, values) => return write!(f, "in one setup, {values} can look like {effect}"),
             Self::HeldOutUnexplained => "held-out recordings leave more than those that were fitted",
             Self::DecayingForce => "a force that decays from a value of its own in each recording explains more",
+            Self::InNoCatalogue => "something in no catalogue explains the recordings as well",
             Self::ExcludedExplainsMore(other) => return write!(f, "{} explains more, but {other}", other.effect),
             Self::UnphysicalAlone(own) => return write!(f, "{own}, where it is fitted alone"),
             Self::DiffersBetweenRecordings(effects) if effects.is_empty() => {

@@ -1,0 +1,145 @@
+//! Comparison of models of which none holds the other (Cox 1961), by the criterion of Schwarz in the response linearised about named effects
+//! (Ljung 1999, section 4.5): whether a force of the table of shapes, or a push at every contact, explains recordings as well in the place of
+//! an effect.
+
+use super::around::Around;
+use super::colour::Colour;
+use super::evidence::{Shared, residual_force};
+use super::linear::{Candidate, Search, solved};
+use super::pooled;
+use super::price;
+use super::refit::Session;
+use super::response::{Column, INSTANTS, Response};
+use super::space::{Host, Space};
+use crate::Result;
+use crate::estimate::jacobian::Columns;
+use crate::estimate::{Point, RolloutLog};
+use crate::simulator::{Effect, Prepared};
+
+/// A force of which the named effects can do all but this share (of squares) is one of them in other words.
+const SAME: f64 = 0.01;
+
+/// What the table of shapes says of effects that were named.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contest {
+    /// The evidence for a force that they leave, in nats.
+    pub left_force_nats: f64,
+    /// How far the best force or push in the place of one or of all of them surpasses them by the criterion of Schwarz, in twice the logarithmic
+    /// likelihood; `None` where they have no coefficients to compare with.
+    pub ahead: Option<f64>,
+    /// How many of the effects have coefficients to compare with.
+    pub compared: usize,
+    /// Rollouts that this took.
+    pub rollouts: usize,
+}
+
+/// Compares effects, whose coefficients `host` holds as parameters `EFFECT.KEY`, with every force of one factor and
+/// every push at contacts. A fit of all ended
+/// at `known`, if any did.
+///
+/// # Errors
+/// Where the simulator refuses the recordings there.
+pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], known: Option<&Point>) -> Result<Contest> {
+    let log = RolloutLog::default();
+    let white = pooled(recordings, &[]);
+    let first = match known {
+        Some(known) => Session::again(host, recordings, (&white, Colour::WHITE, known), &log),
+        None => Session::new(host, recordings, (&white, Colour::WHITE, None), &log, usize::MAX),
+    }?;
+    let colour = Colour::of(recordings, &first.base.residuals);
+    let noise = colour.slow_noise(recordings, &white);
+    let session = if colour.is_white() {
+        first
+    } else {
+        Session::again(host, recordings, (&noise, colour, &first.base.point), &log)?
+    };
+    let around = Around::base(&session, &log)?;
+    let left = session.cleaned(&session.base.residuals);
+    let left_force_nats = residual_force(&around.response, &left, &around.columns, Shared::Free);
+    let simulator = host.carrying(&[])?;
+    let absent = |effect: &Effect, parameter: usize| {
+        let (of, key) = simulator.parameters()[parameter].name.split_once('.')?;
+        let coefficient = effect.coefficients.iter().find(|coefficient| of == effect.name && coefficient.key == key)?;
+        Some((parameter, coefficient.absent))
+    };
+    let of = |effect: &Effect| session.free.iter().filter_map(|&i| absent(effect, i)).collect::<Vec<_>>();
+    let each: Vec<Vec<(usize, f64)>> = effects.iter().map(of).filter(|own| !own.is_empty()).collect();
+    let all = (each.len() > 1).then(|| each.concat());
+    let named = &around.response;
+    let pushes = pushes(named, recordings);
+    let ahead = each.iter().chain(&all).filter_map(|own| {
+        let without = without(&session, &around.columns, own, named);
+        let gain = price::likelihood(session.count, without.squares, named.squares);
+        let others = [force(host.space(), &without, named), push(host.space(), &without, named, &pushes)];
+        let best = others.into_iter().flatten().reduce(f64::max);
+        best.map(|other| other - price::bic(gain, session.count, own.len()))
+    });
+    let ahead = ahead.reduce(f64::max);
+    Ok(Contest { left_force_nats, ahead, compared: each.len(), rollouts: log.count() })
+}
+
+/// The response where the parameters `own` have the values that mean "absent", and nothing else has moved.
+fn without(session: &Session, columns: &[Columns], own: &[(usize, f64)], named: &Response) -> Response {
+    let point = &session.base.point;
+    let mut residuals = session.base.residuals.clone();
+    let kept = columns.iter().zip(&mut residuals).map(|(one, left)| {
+        let mut kept = Columns { indices: Vec::new(), shared: Vec::new(), nuisances: one.nuisances.clone() };
+        for (index, column) in one.indices.iter().zip(&one.shared) {
+            if let Some((_, absent)) = own.iter().find(|(parameter, _)| parameter == index) {
+                let way = point.parameters[*index] - absent;
+                left.iter_mut().zip(column).for_each(|(left, slope)| *left -= way * slope);
+            } else {
+                kept.indices.push(*index);
+                kept.shared.push(column.clone());
+            }
+        }
+        kept
+    });
+    let kept: Vec<Columns> = kept.collect();
+    named.leaving(residuals, &kept)
+}
+
+/// Whether a change, as it is next to the effects of a simulation and without them, is one that these can make.
+fn is_known(without: &Column, named: &Column) -> bool {
+    named.dot(named) <= SAME * without.dot(without)
+}
+
+/// What the best force of one factor gains by the criterion of Schwarz, those aside that the effects of `named` can do.
+fn force(space: &Space, without: &Response, named: &Response) -> Option<f64> {
+    let (search, known) = (Search::new(space, without), Search::new(space, named));
+    let is_other = |force: &Candidate| {
+        let (term, numbers) = (&force.terms[0], &force.numbers[0]);
+        let sum = |search: &Search| Column::sum(&search.columns(term, numbers), &numbers[..term.components]);
+        sum(&search).zip(sum(&known)).is_some_and(|(without, named)| !is_known(&without, &named))
+    };
+    let bic = |force: &Candidate| force.score - price::score(0.0, price::bits(space, search.kinds, &force.terms));
+    search.singles().iter().filter(|force| is_other(force)).map(bic).reduce(f64::max)
+}
+
+/// The same of the best push that acts for a moment at every contact, as of a floor that moves along.
+fn push(space: &Space, without: &Response, named: &Response, pushes: &[f64]) -> Option<f64> {
+    let each = (0..space.directions.len()).filter_map(|direction| {
+        let columns = without.columns(direction, pushes);
+        let (gain, sizes) = solved(&columns.iter().collect::<Vec<_>>(), &without.left)?;
+        let sum = Column::sum(&columns, &sizes)?;
+        let known = is_known(&sum, &Column::sum(&named.columns(direction, pushes), &sizes)?);
+        let likelihood = price::likelihood(without.count, without.squares, without.squares - gain);
+        (!known).then(|| price::bic(likelihood, without.count, sizes.len()))
+    });
+    each.reduce(f64::max)
+}
+
+/// At every instant of the response 1 where the piece of it in which a recording has an event lasts, and else 0.
+fn pushes(response: &Response, recordings: &[Prepared]) -> Vec<f64> {
+    let each = response.parts.iter().zip(recordings).flat_map(|(part, recording)| {
+        let clock = recording.seen.clock();
+        let pieces = part.visits.len();
+        let (first, span_s) = (clock[0], (clock[clock.len() - 1] - clock[0]) / pieces as f64);
+        let in_piece = |piece: usize| {
+            let begin = first + span_s * piece as f64;
+            f64::from(u8::from(recording.events.iter().any(|event| (begin..begin + span_s).contains(event))))
+        };
+        (0..pieces).flat_map(move |piece| std::iter::repeat_n(in_piece(piece), INSTANTS)).collect::<Vec<f64>>()
+    });
+    each.collect()
+}

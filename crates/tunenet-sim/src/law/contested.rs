@@ -1,0 +1,165 @@
+//! Named effects of a ball against what no catalogue holds.
+
+use tunenet_core::diagnose::{Diagnosis, Doubt, Fitted, Gap, Verdict};
+use tunenet_core::law::{MOST_FORCE_NATS, Settings, contest};
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::simulator::{Effect, Preparation, Prepared};
+use tunenet_formats::Result;
+
+use super::known;
+use crate::SimulationFile;
+use crate::simulation_file::Domain;
+
+/// Of more recordings than this, residual tests alone distinguish a named effect from what is in no catalogue.
+const MOST_RECORDINGS: usize = 10;
+/// What a doubt kept from being named has to explain the recordings better than anything in no catalogue by so many times the margin.
+const CLEAR: f64 = 3.0;
+/// Over 600 blind sets 99 % of the right names leave of held-out recordings no more than so many times what they leave of those that were fitted.
+const BORNE_OUT: f64 = 1.09;
+
+/// `diagnosis` of these recordings by the simulation of `file`, its names in doubt where something in no catalogue explains as much, or where
+/// they leave a force; and without the doubt that few recordings show them, where nothing does by far. Effects that are physically required exist in
+/// any case: they stay as they are, and so does what names no effect or is no ball whose positions a few recordings show.
+///
+/// # Errors
+/// Where the file does not take what was found.
+pub fn contested(file: &SimulationFile, diagnosis: Diagnosis, recordings: &[&Observation]) -> Result<Diagnosis> {
+    let seen: Vec<&Observation> = recordings
+        .iter()
+        .zip(&diagnosis.uses)
+        .filter(|(_, used)| used.used && !used.held_out)
+        .map(|(seen, _)| *seen)
+        .collect();
+    let effects: Vec<Effect> = diagnosis.effects().iter().map(|named| named.effect.clone()).collect();
+    let are_required = effects.iter().all(Effect::required);
+    let is_declared = effects.iter().any(|effect| file.candidate(&effect.name).is_some());
+    let is_one = diagnosis.explained.iter().all(|one| one.object == 0);
+    let is_ball = file.domain() == Domain::Ball && seen.iter().all(|one| one.kind() == Kind::Positions);
+    let is_few = !seen.is_empty() && seen.len() <= MOST_RECORDINGS;
+    let is_open = diagnosis.conclusion.doubt() == Some(&Doubt::ForecastHardlyBetter);
+    let is_comparable = is_one && is_ball && is_few && !are_required && !is_declared;
+    if !is_comparable || !(diagnosis.verdict() == Verdict::Named || is_open) {
+        return Ok(diagnosis);
+    }
+    let file = with_effects(file, &diagnosis)?;
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_ref()).collect();
+    let Ok(host) = super::host(&[&file], Kind::Positions, &names)? else { return Ok(diagnosis) };
+    let simulator = host.carrying(&[])?;
+    let mut prepared: Vec<Prepared> = Vec::new();
+    for one in seen {
+        let Preparation::Usable(usable) = simulator.prepare(one)? else { return Ok(diagnosis) };
+        prepared.push(*usable);
+    }
+    let known = known(&diagnosis, simulator.parameters(), &prepared);
+    // Where these effects cannot be fitted next to a force, nothing is said of them.
+    let Ok(found) = contest(host.as_ref(), &effects, &prepared, known.as_ref()) else { return Ok(diagnosis) };
+    let rollouts = diagnosis.rollouts + found.rollouts;
+    let diagnosis = Diagnosis { rollouts, ..diagnosis };
+    let margin = Settings::default().margin;
+    let is_behind = |by: f64| found.ahead.is_none_or(|ahead| ahead < -by);
+    if found.left_force_nats > MOST_FORCE_NATS || !is_behind(margin) {
+        Ok(diagnosis.doubted(Doubt::InNoCatalogue))
+    } else if found.compared == effects.len() && is_behind(CLEAR * margin) && is_borne_out(&diagnosis) {
+        Ok(diagnosis.undoubted(&Doubt::ForecastHardlyBetter))
+    } else {
+        Ok(diagnosis)
+    }
+}
+
+/// The file with the tuned parameters and the effects of a diagnosis.
+fn with_effects(file: &SimulationFile, diagnosis: &Diagnosis) -> Result<SimulationFile> {
+    let mut file = file.clone();
+    for tuned in &diagnosis.parameters {
+        // A coefficient of an effect that the file has already bears both names.
+        match tuned.name.split_once('.') {
+            Some((effect, key)) => file.add_effect(effect, &[(key, tuned.value)])?,
+            None => file.set_value(&tuned.name, tuned.value),
+        }
+    }
+    for named in diagnosis.effects() {
+        let value = |fitted: &'_ Fitted| Some((fitted.key.clone(), fitted.values.first()?.value));
+        let values: Vec<_> = named.coefficients.iter().filter_map(value).collect();
+        let values: Vec<(&str, f64)> = values.iter().map(|(key, value)| (key.as_ref(), *value)).collect();
+        file.add_effect(&named.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+/// Whether held-out recordings are explained as those that were fitted.
+fn is_borne_out(diagnosis: &Diagnosis) -> bool {
+    let of = |gap: &Gap| Some(gap.held_out?.after <= BORNE_OUT * gap.after);
+    diagnosis.gap.as_ref().and_then(of) == Some(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+    use tunenet_core::law::Contest;
+
+    use super::*;
+    use crate::law::host;
+
+    const NOISE_M: f64 = 2e-3;
+    const GRAVITY_M_S2: f64 = 9.81;
+    const SCENE: &str = "\
+kind = \"ball\"
+ball.radius_m = 0.02
+
+[parameters.restitution]
+value = 0.8
+min = 0.0
+max = 1.0
+
+[effects.wind]
+ax_m_s2 = 0.2
+ay_m_s2 = 0.0
+";
+
+    /// A flight of 0.7 s that does not reach the floor, from `z` (m) and upwards with `vz` (m/s), pushed sideways by wind · (1 + shear · z).
+    fn flight(seed: u64, (z, vz): (f64, f64), (wind_m_s2, shear_1_m): (f64, f64)) -> Observation {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let clock: Vec<f64> = (0..84_u32).map(|k| f64::from(k) / 120.0).collect();
+        let at = |t: f64| {
+            let height = z + vz * t - 0.5 * GRAVITY_M_S2 * t * t;
+            // The double integral of the height.
+            let twice = z * t.powi(2) / 2.0 + vz * t.powi(3) / 6.0 - GRAVITY_M_S2 * t.powi(4) / 24.0;
+            [0.5 * t + wind_m_s2 * (0.5 * t * t + shear_1_m * twice), 0.3 * t, height]
+        };
+        let rows: Vec<[f64; 3]> =
+            clock.iter().map(|t| at(*t).map(|x| x + NOISE_M * draw.sample::<f64, _>(StandardNormal))).collect();
+        Observation::positions(clock, &rows).unwrap()
+    }
+
+    fn contest_of(truth: (f64, f64)) -> Contest {
+        let file = SimulationFile::parse(Path::new("flight.toml"), SCENE).unwrap();
+        let host = host(&[&file], Kind::Positions, &["wind"]).unwrap().unwrap();
+        let simulator = host.carrying(&[]).unwrap();
+        let starts = [(5.0, 1.0), (3.0, 0.0), (8.0, -1.0)];
+        let recordings: Vec<Prepared> = starts
+            .into_iter()
+            .zip(7..)
+            .map(|(start, seed)| match simulator.prepare(&flight(seed, start, truth)).unwrap() {
+                Preparation::Usable(prepared) => *prepared,
+                Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+            })
+            .collect();
+        let without = SimulationFile::parse(Path::new("flight.toml"), SCENE.split("[effects").next().unwrap()).unwrap();
+        let all =
+            crate::law::host(&[&without], Kind::Positions, &[]).unwrap().unwrap().carrying(&[]).unwrap().effects();
+        let wind: Vec<Effect> = all.into_iter().filter(|effect| effect.name == "wind").collect();
+        contest(host.as_ref(), &wind, &recordings, None).unwrap()
+    }
+
+    #[test]
+    fn a_wind_that_grows_with_height_is_not_left_to_a_steady_wind() {
+        let steady = contest_of((0.5, 0.0));
+        assert!(steady.ahead.is_some_and(|ahead| ahead < -Settings::default().margin), "{steady:?}");
+        assert!(steady.left_force_nats < 1.0 && steady.compared == 1, "{steady:?}");
+        let sheared = contest_of((0.1, 1.0));
+        assert!(sheared.ahead.is_some_and(|ahead| ahead > 0.0), "{sheared:?}");
+    }
+}
