@@ -33,7 +33,7 @@ pub struct Contest {
     pub rollouts: usize,
 }
 
-/// Compares effects, whose coefficients `host` holds as parameters `EFFECT.KEY`, with every force of one factor and
+/// Compares effects, whose coefficients are parameters of `host`, with every force of one factor and
 /// every push at contacts. A fit of all ended
 /// at `known`, if any did.
 ///
@@ -58,9 +58,9 @@ pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], kno
     let left_force_nats = residual_force(&around.response, &left, &around.columns, Shared::Free);
     let simulator = host.carrying(&[])?;
     let absent = |effect: &Effect, parameter: usize| {
-        let (of, key) = simulator.parameters()[parameter].name.split_once('.')?;
-        let coefficient = effect.coefficients.iter().find(|coefficient| of == effect.name && coefficient.key == key)?;
-        Some((parameter, coefficient.absent))
+        let name = &simulator.parameters()[parameter].name;
+        let own = (0..effect.coefficients.len()).find(|&i| effect.parameter_name(i) == *name)?;
+        Some((parameter, effect.coefficients[own].absent))
     };
     let of = |effect: &Effect| session.free.iter().filter_map(|&i| absent(effect, i)).collect::<Vec<_>>();
     let each: Vec<Vec<(usize, f64)>> = effects.iter().map(of).filter(|own| !own.is_empty()).collect();
@@ -142,4 +142,102 @@ fn pushes(response: &Response, recordings: &[Prepared]) -> Vec<f64> {
         (0..pieces).flat_map(move |piece| std::iter::repeat_n(in_piece(piece), INSTANTS)).collect::<Vec<f64>>()
     });
     each.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::{Range, Shape};
+    use super::super::space::{Carried, Visiting};
+    use super::super::term::{Factor, Term};
+    use super::super::tests::line::{Line, observed};
+    use super::*;
+    use crate::simulator::{Preparation, Simulator};
+
+    const GRAVITY_M_S2: f64 = 9.8;
+
+    /// A point that falls with a resistance in proportion to its velocity.
+    struct Resisted {
+        line: Line,
+        resistance: Carried,
+    }
+
+    impl Resisted {
+        fn new() -> Self {
+            let line = Line::new();
+            let velocity = Factor { shape: Shape::OddPower, variable: 1, rounded: Some(1.0) };
+            let range = || Range { low: -20.0, high: 20.0, least: -20.0, greatest: 20.0 };
+            let term = Term::new(0, 1, vec![velocity]);
+            let resistance = term.carried(&line, &[range(), range(), range()], 0, 10.0);
+            Self { line, resistance }
+        }
+    }
+
+    impl Host for Resisted {
+        fn space(&self) -> &Space {
+            self.line.space()
+        }
+
+        fn carrying(&self, terms: &[Carried]) -> Result<Box<dyn Visiting>> {
+            self.line.carrying(&[std::slice::from_ref(&self.resistance), terms].concat())
+        }
+
+        fn unit(&self, direction: usize, powers: &[(usize, f64)]) -> String {
+            self.line.unit(direction, powers)
+        }
+    }
+
+    fn contest_of(path_m: &dyn Fn(f64, f64) -> f64) -> Contest {
+        let host = Resisted::new();
+        let simulator = host.carrying(&[]).unwrap();
+        let one =
+            |(v0, seed): (f64, u64)| match simulator.prepare(&observed(1.5, 1e-3, seed, &|t| path_m(v0, t))).unwrap() {
+                Preparation::Usable(prepared) => *prepared,
+                Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+            };
+        let recordings: Vec<Prepared> = [(-0.5, 3), (2.0, 4), (-3.0, 5)].into_iter().map(one).collect();
+        contest(&host, std::slice::from_ref(&host.resistance.effect), &recordings, None).unwrap()
+    }
+
+    /// x(t) = (v0 + g/b)(1 − e^(−bt))/b − g t/b.
+    #[test]
+    fn a_true_effect_stays_ahead_of_every_other_force() {
+        let b = 0.4;
+        let fall = GRAVITY_M_S2 / b;
+        let found = contest_of(&|v0, t| (v0 + fall) * (1.0 - (-b * t).exp()) / b - fall * t);
+        assert!(found.ahead.is_some_and(|ahead| ahead < 0.0) && found.compared == 1, "{found:?}");
+        assert!(found.left_force_nats < 1.0 && found.rollouts < 500, "{found:?}");
+    }
+
+    /// A spring to the start: x(t) = (v0/ω) sin ωt − (g/ω²)(1 − cos ωt).
+    #[test]
+    fn a_wrong_effect_falls_behind_or_leaves_a_force() {
+        let frequency = 1.2_f64;
+        let found = contest_of(&|v0, t| {
+            let turned = frequency * t;
+            v0 / frequency * turned.sin() - GRAVITY_M_S2 / frequency.powi(2) * (1.0 - turned.cos())
+        });
+        assert!(found.ahead.is_some_and(|ahead| ahead > 100.0), "{found:?}");
+    }
+
+    #[test]
+    fn a_push_acts_in_the_piece_that_holds_an_event() {
+        let host = Line::new();
+        let Preparation::Usable(mut prepared) =
+            host.simulator().prepare(&observed(1.5, 1e-3, 7, &|t| -4.9 * t * t)).unwrap()
+        else {
+            panic!("refused")
+        };
+        prepared.events = vec![0.75];
+        let recordings = [*prepared];
+        let log = RolloutLog::default();
+        let white = pooled(&recordings, &[]);
+        let session = Session::new(&host, &recordings, (&white, Colour::WHITE, None), &log, usize::MAX).unwrap();
+        let response = Around::base(&session, &log).unwrap().response;
+        let pushes = pushes(&response, &recordings);
+        assert_eq!(pushes.len(), response.instants());
+        let middle = pushes.iter().position(|push| *push > 0.0).unwrap();
+        assert_eq!(pushes.iter().sum::<f64>(), INSTANTS as f64);
+        let share = middle as f64 / pushes.len() as f64;
+        assert!((share - 0.5).abs() <= 1.0 / 40.0, "{share}");
+    }
 }

@@ -1,6 +1,6 @@
 //! Searches on a point that moves along a line: truths are closed forms, which share nothing with its integrator.
 
-mod line;
+pub(super) mod line;
 
 use line::{Line, observed};
 
