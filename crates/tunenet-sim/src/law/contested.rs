@@ -1,7 +1,7 @@
 //! Named effects of a ball against what no catalogue holds.
 
 use tunenet_core::diagnose::{Diagnosis, Doubt, Fitted, Gap, Verdict};
-use tunenet_core::law::{MOST_FORCE_NATS, Settings, contest};
+use tunenet_core::law::{Contest, MOST_FORCE_NATS, Settings, contest};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Effect, Preparation, Prepared};
 use tunenet_formats::Result;
@@ -20,10 +20,8 @@ const BORNE_OUT: f64 = 1.09;
 /// `diagnosis` of these recordings by the simulation of `file`, its names in doubt where something in no catalogue explains as much, or where
 /// they leave a force; and without the doubt that few recordings show them, where nothing does by far. Effects that are physically required exist in
 /// any case: they stay as they are, and so does what names no effect or is no ball whose positions a few recordings show.
-///
-/// # Errors
-/// Where the file does not take what was found.
-pub fn contested(file: &SimulationFile, diagnosis: Diagnosis, recordings: &[&Observation]) -> Result<Diagnosis> {
+#[must_use]
+pub fn contested(file: &SimulationFile, diagnosis: Diagnosis, recordings: &[&Observation]) -> Diagnosis {
     let seen: Vec<&Observation> = recordings
         .iter()
         .zip(&diagnosis.uses)
@@ -39,31 +37,41 @@ pub fn contested(file: &SimulationFile, diagnosis: Diagnosis, recordings: &[&Obs
     let is_open = diagnosis.conclusion.doubt() == Some(&Doubt::ForecastHardlyBetter);
     let is_comparable = is_one && is_ball && is_few && !are_required && !is_declared;
     if !is_comparable || !(diagnosis.verdict() == Verdict::Named || is_open) {
-        return Ok(diagnosis);
+        return diagnosis;
     }
-    let file = with_effects(file, &diagnosis)?;
-    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_ref()).collect();
-    let Ok(host) = super::host(&[&file], Kind::Positions, &names)? else { return Ok(diagnosis) };
-    let simulator = host.carrying(&[])?;
-    let mut prepared: Vec<Prepared> = Vec::new();
-    for one in seen {
-        let Preparation::Usable(usable) = simulator.prepare(one)? else { return Ok(diagnosis) };
-        prepared.push(*usable);
-    }
-    let known = known(&diagnosis, simulator.parameters(), &prepared);
     // Where these effects cannot be fitted next to a force, nothing is said of them.
-    let Ok(found) = contest(host.as_ref(), &effects, &prepared, known.as_ref()) else { return Ok(diagnosis) };
+    let Ok(Some(found)) = compared(file, &diagnosis, &effects, &seen) else { return diagnosis };
     let rollouts = diagnosis.rollouts + found.rollouts;
     let diagnosis = Diagnosis { rollouts, ..diagnosis };
     let margin = Settings::default().margin;
     let is_behind = |by: f64| found.ahead.is_none_or(|ahead| ahead < -by);
     if found.left_force_nats > MOST_FORCE_NATS || !is_behind(margin) {
-        Ok(diagnosis.doubted(Doubt::InNoCatalogue))
+        diagnosis.doubted(Doubt::InNoCatalogue)
     } else if found.compared == effects.len() && is_behind(CLEAR * margin) && is_borne_out(&diagnosis) {
-        Ok(diagnosis.undoubted(&Doubt::ForecastHardlyBetter))
+        diagnosis.undoubted(&Doubt::ForecastHardlyBetter)
     } else {
-        Ok(diagnosis)
+        diagnosis
     }
+}
+
+/// What the comparison says of these effects; `None` where the simulation has no place for a force next to them, or takes a recording no longer.
+fn compared(
+    file: &SimulationFile,
+    diagnosis: &Diagnosis,
+    effects: &[Effect],
+    seen: &[&Observation],
+) -> Result<Option<Contest>> {
+    let file = with_effects(file, diagnosis)?;
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name.as_ref()).collect();
+    let Ok(host) = super::host(&[&file], Kind::Positions, &names)? else { return Ok(None) };
+    let simulator = host.carrying(&[])?;
+    let mut prepared: Vec<Prepared> = Vec::new();
+    for one in seen {
+        let Preparation::Usable(usable) = simulator.prepare(one)? else { return Ok(None) };
+        prepared.push(*usable);
+    }
+    let known = known(diagnosis, simulator.parameters(), &prepared);
+    Ok(Some(contest(host.as_ref(), effects, &prepared, known.as_ref())?))
 }
 
 /// The file with the tuned parameters and the effects of a diagnosis.
@@ -77,7 +85,7 @@ fn with_effects(file: &SimulationFile, diagnosis: &Diagnosis) -> Result<Simulati
         }
     }
     for named in diagnosis.effects() {
-        let value = |fitted: &'_ Fitted| Some((fitted.key.clone(), fitted.values.first()?.value));
+        let value = |fitted: &Fitted| Some((fitted.key.clone(), fitted.values.first()?.value));
         let values: Vec<_> = named.coefficients.iter().filter_map(value).collect();
         let values: Vec<(&str, f64)> = values.iter().map(|(key, value)| (key.as_ref(), *value)).collect();
         file.add_effect(&named.effect.name, &values)?;
@@ -98,7 +106,6 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
-    use tunenet_core::law::Contest;
 
     use super::*;
     use crate::law::host;

@@ -29,7 +29,7 @@ pub fn ask(loaded: &Loaded, settings: &Settings) -> Result<Diagnosis> {
         // A quick diagnosis ends with its first explanation, and a limit of rollouts holds for all.
         [object] if object.setups.len() == 1 && !settings.quick && settings.max_rollouts.is_none() => {
             let seen: Vec<&Observation> = loaded.recorded.iter().map(|one| &one.seen).collect();
-            contested(&object.file, diagnosis?, &seen)?
+            contested(&object.file, diagnosis?, &seen)
         }
         _ => diagnosis?,
     };
