@@ -24,6 +24,12 @@ impl Columns {
         self.shared.len() + self.nuisances.len()
     }
 
+    /// Those of the first `values` residuals.
+    pub fn leading(&self, values: usize) -> Self {
+        let first = |columns: &[Vec<f64>]| columns.iter().map(|c| c[..values.min(c.len())].to_vec()).collect();
+        Self { indices: self.indices.clone(), shared: first(&self.shared), nuisances: first(&self.nuisances) }
+    }
+
     /// These, and those by the shared parameters of `more`.
     pub fn with(&self, more: &Self) -> Self {
         Self {

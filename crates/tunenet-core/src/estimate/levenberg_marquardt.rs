@@ -87,6 +87,8 @@ pub(crate) struct Minimum {
     pub equations: Arrow,
     /// The derivatives that were measured last, where that was near enough to `point`.
     pub derivatives: Option<Vec<Columns>>,
+    /// The derivatives in use at the end, of a point that is not far from `point`.
+    pub nearby: Option<Vec<Columns>>,
     /// Whether it ended because no more rollouts are allowed.
     pub cut_short: bool,
     /// Rollouts that were asked for.
@@ -118,7 +120,7 @@ pub(crate) fn minimise(
     let mut columns = first;
     let mut origin = if settings.first_measured { Origin::Measured } else { Origin::Followed };
     let (mut confirms, mut derived, mut cut_short) = (false, 0, false);
-    let mut equations = None;
+    let (mut equations, mut last) = (None, None);
     while steps < settings.steps {
         let scale = problem.scale(&residuals);
         let cost = huber_cost(&residuals, scale) + prior_cost(problem, &point);
@@ -144,7 +146,7 @@ pub(crate) fn minimise(
         let square = mean_square(&residuals, cost);
         let negligible = (settings.resolution.powi(2) * square).max(2.0 * settings.tolerance);
         if resolves && Step::damped(&linear, damping.min(LIGHT_DAMPING)).promised <= negligible {
-            equations = Some(linear);
+            (equations, last) = (Some(linear), Some(known));
             if ends || !settings.ends_measured {
                 break;
             }
@@ -157,6 +159,7 @@ pub(crate) fn minimise(
         cut_short |= short;
         equations = Some(linear);
         let Some(Improved { point: candidate, residuals: new, gain, promised }) = improved else {
+            last = Some(known);
             if ends || cut_short {
                 break;
             }
@@ -174,6 +177,8 @@ pub(crate) fn minimise(
             columns.clone_from(&exact.columns);
         } else if !arrived && trusted {
             columns = Some(secant(problem, known, (&point, &candidate), (&residuals, &new)));
+        } else {
+            last = Some(known);
         }
         (point, residuals) = (candidate, new);
         seen(&point, &residuals);
@@ -185,9 +190,10 @@ pub(crate) fn minimise(
         confirms |= arrived;
         origin = if holds { Origin::Measured } else { Origin::Followed };
     }
-    let equations = match (equations, columns) {
+    let nearby = columns.or(last);
+    let equations = match (equations, &nearby) {
         (Some(known), _) => known,
-        (None, Some(known)) => linearised(problem, &point, &residuals, &known, problem.scale(&residuals)),
+        (None, Some(known)) => linearised(problem, &point, &residuals, known, problem.scale(&residuals)),
         (None, None) if cut_short => return Err(problem.unaffordable()),
         (None, None) => {
             let known = derivatives(problem, &point, &residuals, Origin::Measured, &mut rollouts)?;
@@ -195,7 +201,7 @@ pub(crate) fn minimise(
         }
     };
     let derivatives = exact.columns.filter(|_| cut_short || exact.moved_sds < NEAR_SDS);
-    Ok(Minimum { point, residuals, equations, derivatives, cut_short, rollouts })
+    Ok(Minimum { point, residuals, equations, derivatives, nearby, cut_short, rollouts })
 }
 
 /// Steps in a row that gained next to nothing.
@@ -367,6 +373,12 @@ mod tests {
         assert!((found.point.parameters[1] - 1.5).abs() < 1e-6, "{:?}", found.point);
         assert!((found.point.nuisances[0][0] - 2.0).abs() < 1e-6, "{:?}", found.point);
         assert!(accepted > 0 && found.rollouts >= accepted * 2);
+        // The derivatives in use at the end begin another fit as well as those that are measured.
+        let (problem, start) = (Lines::new(1.5, &[2.0, -1.0]), Lines::new(1.5, &[2.0, -1.0]).start());
+        let left = residuals_at(&problem, &start).unwrap();
+        let few = Settings { derivatives: 0, ends_measured: false, first_measured: false, ..Settings::EXACT };
+        let again = minimise(&problem, start, left, found.nearby, &few, &mut |_, _| {}).unwrap();
+        assert!((again.point.parameters[1] - 1.5).abs() < 1e-6 && again.rollouts < found.rollouts);
     }
 
     #[test]

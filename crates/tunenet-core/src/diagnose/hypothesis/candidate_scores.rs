@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
 use crate::diagnose::hypothesis::multistart::{best_shapes, first_samples_show_more, fit_from_first_samples};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
@@ -20,6 +20,8 @@ use crate::{Error, Result};
 /// One step with derivatives that are known already.
 const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
 const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: false, ..FULL };
+/// The same where derivatives are known nearby.
+const NEAR_STEPS: Effort = Effort { steps: 6, derivatives: 2, ..FEW_STEPS };
 /// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
 /// not there to be seen.
 const VISIBLE: f64 = 3.0;
@@ -325,7 +327,7 @@ fn fit_best<'s, 'a: 's>(
         if open.is_empty() || round == ROUNDS {
             break;
         }
-        let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, FULL).ok()).collect();
+        let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, COMPARED).ok()).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             done[i] = true;
             take(context, &mut candidates[i], extension(i).model, fitted);
@@ -340,6 +342,8 @@ fn fit_best<'s, 'a: 's>(
             leader(candidates).map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
         let expected = |i: &usize| extension(*i).scored.expected;
         open.retain(|i| expected(i) > limit && candidates[*i].gain <= KEPT * expected(i));
+        open.sort_by(|a, b| expected(b).total_cmp(&expected(a)));
+        open.truncate(if context.shows_free_motions() { 1 } else { FIRST });
         let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             take(context, &mut candidates[i], extension(i).model, fitted);
@@ -394,7 +398,7 @@ fn fit_from_shapes<'a>(
         }
     }
     let (_, tried) = best?;
-    let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
+    let fit = context.joint(&tried.structure).fit(tried.fit.point, COMPARED).ok()?;
     let found = Hypothesis { structure: tried.structure, fit };
     (gain(context, model, &found, model.scale()) > candidate.gain).then_some(found)
 }
@@ -425,11 +429,13 @@ fn fit_from_larger<'a>(
         }
         let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
         // A few steps show whether this local minimum is a better one.
-        let Ok(tried) = context.joint(&structure).fit(start, FEW_STEPS) else { continue };
+        let Ok(tried) = context.joint(&structure).fit_extended(start, (extension.base, known), NEAR_STEPS) else {
+            continue;
+        };
         let tried = Hypothesis { structure, fit: tried };
         let reached = best.as_ref().map_or(candidate.gain, |best| gain(context, model, best, model.scale()));
         if gain(context, model, &tried, model.scale()) > reached {
-            let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
+            let fit = context.joint(&tried.structure).fit(tried.fit.point, COMPARED).ok()?;
             best = Some(Hypothesis { structure: tried.structure, fit });
         }
     }

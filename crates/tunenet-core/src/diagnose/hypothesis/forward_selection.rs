@@ -4,7 +4,7 @@ use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
 use crate::diagnose::hypothesis::confusable_set;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis, SINGLE_MOTION_MARGIN};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis, SINGLE_MOTION_MARGIN};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
 use crate::diagnose::hypothesis::structure::SharedParameter;
@@ -17,6 +17,9 @@ const MOST_SWAPS: usize = 6;
 /// Each of several effects has to gain this many times what a single one has to: a second effect takes up what the first leaves of
 /// outliers and of autocorrelated noise.
 const ONE_OF_SEVERAL: f64 = 2.0;
+
+/// Noise whose lag-1 correlation is less by so much shows effects that it hid before.
+const HIDDEN: f64 = 0.3;
 
 /// An effect has to reduce the mean square by this factor to be worth a name.
 const WORTH: f64 = 1.3;
@@ -101,7 +104,8 @@ pub(in crate::diagnose) struct SelectedEffect {
 /// Whether what a hypothesis leaves looks like noise.
 pub(in crate::diagnose) type IsAdequate = fn(&Context, &Hypothesis) -> bool;
 
-/// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
+/// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again. Effects that leave
+/// more than either noise stay as they are: by another noise nothing else takes their place, unless the first one hid much.
 pub(in crate::diagnose) fn search_again<'a>(
     context: Context<'a>,
     found: Selection<'a>,
@@ -110,10 +114,17 @@ pub(in crate::diagnose) fn search_again<'a>(
 ) -> Result<(Context<'a>, Selection<'a>)> {
     let Some(best) = &found.best else { return Ok((context, found)) };
     let Some(evidence) = context.learn_noise(best)? else { return Ok((context, found)) };
-    let context = context.with_evidence(evidence);
-    let base = context.fit_near(&[], &found.base)?;
-    let found = search(&context, base, is_adequate, progress)?;
-    Ok((context, found))
+    let hidden = context.evidence.noise.lag1() - evidence.noise.lag1();
+    let learned = context.with_evidence(evidence);
+    if context.shows_free_motions() && hidden < HIDDEN && !is_adequate(&context, best) {
+        let best = learned.fit_near_with(&best.structure.effects, best, COMPARED)?;
+        if !is_adequate(&learned, &best) {
+            return Ok((context, found));
+        }
+    }
+    let base = learned.fit_near(&[], &found.base)?;
+    let found = search(&learned, base, is_adequate, progress)?;
+    Ok((learned, found))
 }
 
 /// Candidates are scored in addition to `model`.
@@ -167,6 +178,8 @@ pub(in crate::diagnose) fn search<'a>(
             Revision::Replaced(other) => best = other.map(|model| *model),
         }
     }
+    // Candidates are fitted no farther than they can be compared.
+    best = best.map(|model| context.fit_near(&model.structure.effects, &model)).transpose()?;
     if let (Some(model), true) = (&best, selected.is_empty()) {
         selected = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
     }

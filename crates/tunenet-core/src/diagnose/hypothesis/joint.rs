@@ -364,10 +364,21 @@ impl Joint<'_> {
     pub fn fit_from(
         &self,
         start: Point,
-        mut residuals: Vec<Vec<f64>>,
+        residuals: Vec<Vec<f64>>,
         effort: Effort,
         known: Option<Known>,
     ) -> Result<Outcome> {
+        Ok(self.fit_keeping(start, residuals, effort, known)?.0)
+    }
+
+    /// The same with the derivatives in use at the end, which are of a point not far from it; none where none were needed.
+    pub fn fit_keeping(
+        &self,
+        start: Point,
+        mut residuals: Vec<Vec<f64>>,
+        effort: Effort,
+        known: Option<Known>,
+    ) -> Result<(Outcome, Option<Vec<Columns>>)> {
         let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
         // Derivatives of several parameters by one rollout are those of a point not far away.
         let first_measured = known.is_none_or(|known| known.at_start && !self.separable);
@@ -382,7 +393,7 @@ impl Joint<'_> {
         let fitted = every(parts.par_iter().map(one))?;
         let size = self.structure.shared.len();
         let mut covariance = DMatrix::from_diagonal_element(size, size, f64::INFINITY);
-        let mut point = start;
+        let (mut point, mut nearby) = (start, vec![None; self.recordings.len()]);
         for (part, fitted) in parts.iter().zip(fitted) {
             let among = fitted.equations.covariance();
             for (i, &row) in part.columns.iter().enumerate() {
@@ -390,6 +401,9 @@ impl Joint<'_> {
                 for (j, &column) in part.columns.iter().enumerate() {
                     covariance[(row, column)] = among[(i, j)];
                 }
+            }
+            for (&recording, columns) in part.recordings.iter().zip(fitted.nearby.unwrap_or_default()) {
+                nearby[recording] = Some(columns);
             }
             for (&recording, left) in part.recordings.iter().zip(fitted.residuals) {
                 point.nuisances[recording].clone_from(&fitted.point.nuisances[recording]);
@@ -400,7 +414,7 @@ impl Joint<'_> {
         let prior_part = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
         let scale = self.scale(&residuals);
         let cost = huber_cost(&residuals, scale) + prior_part;
-        Ok(Outcome { point, residuals, cost, scale, prior_part, covariance })
+        Ok((Outcome { point, residuals, cost, scale, prior_part, covariance }, nearby.into_iter().collect()))
     }
 
     /// The scale of the robust loss.

@@ -1,16 +1,21 @@
 //! Negative control: the held-out residual with a wrong effect, which a right one has to go well below, and with the best candidates.
 
 use crate::Result;
-use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::hypothesis::context::{COMPARED, Context};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate_near};
 use crate::simulator::Text;
 
 /// Candidates that are tried on held-out recordings.
 const MOST_RATIOS: usize = 3;
 
-/// A wrong effect on the held-out recordings, the candidate that was fitted and gained least: its name and what it reaches.
-pub(in crate::diagnose) fn negative_control(context: &Context, found: &Selection) -> Result<Option<(Text, f64)>> {
+/// A wrong effect on the held-out recordings, the candidate that was fitted and gained least: its name and what it reaches. `before` is
+/// what the simulation without effects reaches in the same context.
+pub(in crate::diagnose) fn negative_control(
+    context: &Context,
+    found: &Selection,
+    before: Option<&HeldOut>,
+) -> Result<Option<(Text, f64)>> {
     let named = |entry: usize| {
         found.selected.iter().any(|p| {
             p.entry == entry
@@ -19,9 +24,10 @@ pub(in crate::diagnose) fn negative_control(context: &Context, found: &Selection
         })
     };
     let wrong = found.alone.iter().rev().find(|c| c.excluded.is_none() && !named(c.entry));
-    let (Some(wrong), false) = (wrong, context.evidence.validation.is_empty()) else { return Ok(None) };
-    let model = context.fit_near(&[wrong.entry], &found.base)?;
-    Ok(validate(context, &model)?.map(|reached| (context.catalogue[wrong.entry].name.clone(), reached.rmse)))
+    let (Some(wrong), Some(before)) = (wrong, before) else { return Ok(None) };
+    let model = context.fit_near_with(&[wrong.entry], &found.base, COMPARED)?;
+    Ok(validate_near(context, &model, before)?
+        .map(|reached| (context.catalogue[wrong.entry].name.clone(), reached.rmse)))
 }
 
 /// How far the best candidates, each alone, take the held-out residual down.
@@ -32,8 +38,9 @@ pub(in crate::diagnose) fn ratios(
 ) -> Result<Vec<(usize, f64)>> {
     let (Some(before), Some(_)) = (before, &found.best) else { return Ok(Vec::new()) };
     let fitted = found.alone.iter().filter_map(|c| c.model.as_ref().map(|model| (c.entry, model)));
-    let ratio =
-        |(entry, model)| Ok(validate(context, model)?.map(|reached: HeldOut| (entry, reached.rmse / before.rmse)));
+    let ratio = |(entry, model)| {
+        Ok(validate_near(context, model, before)?.map(|reached: HeldOut| (entry, reached.rmse / before.rmse)))
+    };
     fitted.take(MOST_RATIOS).filter_map(|one| ratio(one).transpose()).collect()
 }
 
@@ -41,6 +48,7 @@ pub(in crate::diagnose) fn ratios(
 mod tests {
     use super::*;
     use crate::diagnose::judge::adequacy::is_adequate;
+    use crate::diagnose::judge::held_out_proof::validate;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
 
     use crate::diagnose::hypothesis::forward_selection::search;
@@ -51,7 +59,7 @@ mod tests {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
             let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let before = validate(context, &found.base).unwrap();
-            let (name, wrong) = negative_control(context, &found).unwrap().unwrap();
+            let (name, wrong) = negative_control(context, &found, before.as_ref()).unwrap().unwrap();
             let reached = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap().rmse;
             assert!(name != "viscous_friction" && wrong > 1.3 * reached, "{name}: {wrong} {reached}");
             let ratios = ratios(context, &found, before.as_ref()).unwrap();

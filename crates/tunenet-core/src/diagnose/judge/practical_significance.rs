@@ -67,7 +67,11 @@ pub(in crate::diagnose) fn practical_tests(
 }
 
 /// What `best` leaves beyond the noise, as a share of what it takes away from `base` (of mean squares of plain residuals).
-fn left_over_taken_away(context: &Context, (base, best): (&Hypothesis, &Hypothesis), floor: f64) -> Result<f64> {
+pub(in crate::diagnose) fn left_over_taken_away(
+    context: &Context,
+    (base, best): (&Hypothesis, &Hypothesis),
+    floor: f64,
+) -> Result<f64> {
     let square = |model: &Hypothesis| -> Result<f64> {
         let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
         Ok(rmse(context.recordings(), &plain, 0.0).powi(2))
@@ -80,9 +84,13 @@ fn left_over_taken_away(context: &Context, (base, best): (&Hypothesis, &Hypothes
 /// [`practical_tests`]: those are fitted less closely.
 pub(in crate::diagnose) fn leaves_too_much(context: &Context<'_>, found: &Selection, floor: f64) -> Result<bool> {
     let Some(best) = &found.best else { return Ok(false) };
+    Ok(left_over_taken_away(context, (&found.base, best), floor)? > FAR * largest_left_share(context))
+}
+
+/// The largest share that any effects may leave of what they take away.
+pub(in crate::diagnose) fn largest_left_share(context: &Context<'_>) -> f64 {
     let certain = (0..context.catalogue.len()).any(|entry| is_required(context, entry));
-    let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
-    Ok(left_over_taken_away(context, (&found.base, best), floor)? > FAR * threshold)
+    if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE }
 }
 
 /// The noise of these recordings as a mean square of plain residuals.

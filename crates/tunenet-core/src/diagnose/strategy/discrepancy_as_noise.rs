@@ -5,18 +5,21 @@ use super::{Attempt, Refinement};
 use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::hypothesis::plausibility::is_required;
 use crate::diagnose::judge::adequacy::is_adequate;
-use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate, validate_near};
 use crate::diagnose::judge::negative_control::negative_control;
 use crate::diagnose::judge::practical_significance::{
-    CONFIRMED, CONTROL, leaves_too_much, noise_floor, practical_tests,
+    CONFIRMED, CONTROL, largest_left_share, leaves_too_much, left_over_taken_away, noise_floor, practical_tests,
 };
 use crate::diagnose::{Progress, Test};
 
 /// Correlations above this would leave next to no independent value.
 const GREATEST: f64 = 0.97;
+/// What misses a limit by more than this factor does not meet it by other effects.
+const NEARLY: f64 = 1.25;
 
 pub(super) struct DiscrepancyAsNoise;
 
@@ -67,16 +70,43 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     progress: &dyn Fn(Progress),
 ) -> Result<Second<'a>> {
     let held_out_floor = noise_floor(&context.evidence.validation);
-    let (context, mut found) = search_inflated(context, first, progress)?;
-    let before = validate(&context, &found.base)?;
-    let after = found.best.as_ref().map_or(Ok(None), |best| validate(&context, best))?;
-    if let (Some(before), Some(after)) = (&before, &after) {
-        admit_equals(&context, &mut found, before.rmse, after.rmse)?;
+    let context =
+        context.with_evidence(with_discrepancy_as_noise(context, first.best.as_ref().unwrap_or(&first.base))?);
+    let base = context.fit_near_with(&[], &first.base, COMPARED)?;
+    let refitted = |best: &Hypothesis| context.fit_near_with(&best.structure.effects, best, COMPARED);
+    let first = first.best.as_ref().map(refitted).transpose()?;
+    if let Some(best) = &first
+        && context.shows_free_motions()
+        && left_over_taken_away(&context, (&base, best), floor)? > NEARLY * largest_left_share(&context)
+    {
+        return Ok(Second { context, found: Selection::tuned(base), before: None, tests: Vec::new() });
     }
-    let control = negative_control(&context, &found)?.map(|c| c.1);
+    let before = validate(&context, &base)?;
+    if let (Some(best), Some(before)) = (&first, &before)
+        && context.shows_free_motions()
+        && is_refuted(&context, best, before)?
+    {
+        return Ok(Second { context, found: Selection::tuned(base), before: None, tests: Vec::new() });
+    }
+    let mut found = search(&context, base, is_adequate, progress)?;
+    let after = match (&found.best, &before) {
+        (Some(best), Some(before)) => validate_near(&context, best, before)?,
+        _ => None,
+    };
+    if let (Some(before), Some(after)) = (&before, &after) {
+        admit_equals(&context, &mut found, before, after.rmse)?;
+    }
+    let control = negative_control(&context, &found, before.as_ref())?.map(|c| c.1);
     let tests =
         practical_tests(&context, &found, (floor, held_out_floor), before.as_ref().zip(after.as_ref()), control)?;
     Ok(Second { context, found, before, tests })
+}
+
+/// Whether held-out recordings refute effects that were found with less noise by so much that fewer of them do not pass either.
+fn is_refuted(context: &Context, best: &Hypothesis, before: &HeldOut) -> Result<bool> {
+    let certain = best.structure.effects.iter().any(|&entry| is_required(context, entry));
+    let after = if certain { None } else { validate_near(context, best, before)? };
+    Ok(after.is_some_and(|after| after.rmse > NEARLY * CONFIRMED * before.rmse))
 }
 
 /// The evidence with what `model` leaves treated as noise.
@@ -131,12 +161,12 @@ pub(in crate::diagnose) fn search_inflated<'a>(
 
 /// Where a single effect was found: counts every other that does as well on recordings that were not fitted among what
 /// could be in its place.
-fn admit_equals(context: &Context, found: &mut Selection, before: f64, after: f64) -> Result<()> {
+fn admit_equals(context: &Context, found: &mut Selection, before: &HeldOut, after: f64) -> Result<()> {
     let [selected] = found.selected.as_mut_slice() else { return Ok(()) };
     for candidate in found.alone.iter().filter(|c| c.entry != selected.entry && c.excluded.is_none()) {
         let Some(model) = &candidate.model else { continue };
-        let Some(reached) = validate(context, model)? else { continue };
-        if reached.rmse <= CONFIRMED * before && reached.rmse < CONTROL * after {
+        let Some(reached) = validate_near(context, model, before)? else { continue };
+        if reached.rmse <= CONFIRMED * before.rmse && reached.rmse < CONTROL * after {
             selected.equals.push(candidate.entry);
         }
     }

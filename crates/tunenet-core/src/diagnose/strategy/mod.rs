@@ -155,7 +155,7 @@ impl<'a> Attempt<'a> {
 
     /// What wrong effects reach on held-out recordings.
     pub fn negative_control(&self) -> Result<Control> {
-        let wrong = negative_control(&self.context, &self.found)?;
+        let wrong = negative_control(&self.context, &self.found, self.before.as_ref())?;
         Ok(Control { wrong, ratios: ratios(&self.context, &self.found, self.before.as_ref())? })
     }
 }

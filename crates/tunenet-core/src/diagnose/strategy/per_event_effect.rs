@@ -8,14 +8,19 @@ use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::gain;
 use crate::diagnose::hypothesis::catalogue::Entry;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
-use crate::diagnose::hypothesis::joint::{Outcome, Point};
+use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point, spread};
 use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
 use crate::diagnose::judge::random_effect::EventEffectFit;
 use crate::diagnose::judge::random_effect::admit;
 use crate::diagnose::judge::random_effect::fit_event_effects;
+
+/// A fit that shows whether draws explain what is left: they are linear in it but for a small part.
+const DRAWN: Effort = Effort { steps: 20, derivatives: 3, ..COMPARED };
+/// What leaves more than so many times the noise with draws, is not explained by another correlation of the noise.
+const FAR: f64 = 1.3;
 
 pub(super) struct PerEventEffect;
 
@@ -31,8 +36,10 @@ impl Refinement for PerEventEffect {
             return Ok(attempt);
         };
         let before = attempt.context.clone();
-        attempt.context = admit(&attempt.context, &effects)?;
-        attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
+        let Some((context, near)) = with_draws(&attempt, &effects)? else { return Ok(attempt) };
+        attempt.lag1 = context.evidence.noise.lag1();
+        attempt.context = context;
+        attempt.found = search_with(&attempt.context, attempt.found, (&near, &effects), progress)?;
         attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
         // Without its parameters the random effect passed for autocorrelated noise.
         if !attempt.residuals.passed()
@@ -40,7 +47,7 @@ impl Refinement for PerEventEffect {
         {
             attempt.lag1 = evidence.noise.lag1();
             attempt.context = attempt.context.with_evidence(evidence);
-            attempt.found = search_with(&attempt.context, attempt.found, &effects, progress)?;
+            attempt.found = search_with(&attempt.context, attempt.found, (&near, &effects), progress)?;
             attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
         }
         // What leaves more than noise is no answer, whatever else explains as much.
@@ -73,27 +80,44 @@ fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> 
     }
 }
 
-/// The search again with the draws of the random effect as nuisance parameters.
+/// The context with the draws of the random effect as nuisance parameters, and a hypothesis with these. `None` where several motions were
+/// recorded, and what was found leaves more than noise even with draws: then the random effect is no part of an explanation.
+fn with_draws<'a>(attempt: &Attempt<'a>, effects: &EventEffectFit) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
+    let admitted = admit(&attempt.context, effects)?;
+    let drawn = |model: &Hypothesis<'a>| -> Result<Hypothesis<'a>> {
+        let mut nuisances = model.fit.point.nuisances.clone();
+        for (nuisances, draws) in nuisances.iter_mut().zip(&effects.draws) {
+            nuisances.extend(draws.iter().map(|draw| draw.value));
+        }
+        let point = Point { parameters: model.fit.point.parameters.clone(), nuisances };
+        let structure = admitted.structure(&model.structure.effects)?;
+        Ok(Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } })
+    };
+    if !admitted.shows_free_motions() {
+        let near = drawn(&attempt.found.base)?;
+        return Ok(Some((admitted, near)));
+    }
+    let near = drawn(attempt.last())?;
+    let fitted = admitted.fit_near_with(&near.structure.effects, &near, DRAWN)?;
+    if residual_diagnostics(&admitted, &fitted).passed() {
+        return Ok(Some((admitted, fitted)));
+    }
+    let evidence = if spread(&fitted.fit.residuals) < FAR { admitted.learn_noise(&fitted)? } else { None };
+    let Some(evidence) = evidence else { return Ok(None) };
+    let learned = admitted.with_evidence(evidence);
+    let fitted = learned.fit_near_with(&fitted.structure.effects, &fitted, DRAWN)?;
+    Ok(residual_diagnostics(&learned, &fitted).passed().then_some((learned, fitted)))
+}
+
+/// The search again with the draws of the random effect as nuisance parameters, from the values of `near`.
 fn search_with<'a>(
     context: &Context<'a>,
     plain: Selection<'a>,
-    effects: &EventEffectFit,
+    (near, effects): (&Hypothesis<'a>, &EventEffectFit),
     progress: &dyn Fn(Progress),
 ) -> Result<Selection<'a>> {
     let entry = context.catalogue.iter().position(Entry::is_random_effect).unwrap_or(0);
-    let mut nuisances = plain.base.fit.point.nuisances.clone();
-    nuisances
-        .iter_mut()
-        .zip(&effects.draws)
-        .for_each(|(nuisances, draws)| nuisances.extend(draws.iter().map(|draw| draw.value)));
-    let near = Hypothesis {
-        structure: context.structure(&[])?,
-        fit: Outcome {
-            point: Point { parameters: plain.base.fit.point.parameters.clone(), nuisances },
-            ..plain.base.fit.clone()
-        },
-    };
-    let base = context.fit_near(&[], &near)?;
+    let base = context.fit_near(&[], near)?;
     let again = search(context, base, is_adequate, progress)?;
     let random = SelectedEffect {
         entry,

@@ -5,8 +5,8 @@ use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::catalogue::Entry;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::joint::{Outcome, Point};
 use crate::diagnose::hypothesis::structure::SharedParameter;
 use crate::diagnose::judge::adequacy::is_adequate;
@@ -158,20 +158,33 @@ pub(in crate::diagnose) fn fit_per_recording(
         nuisances: model.fit.point.nuisances.clone(),
     };
     let near = Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } };
-    let start = separate.fit_near(effects, &near)?;
-    let found =
-        if how == How::Search { search(&separate, start, is_adequate, progress)? } else { Selection::tuned(start) };
-    let best = found.best.as_ref().unwrap_or(&found.base);
+    if how == How::Search {
+        let found = search(&separate, separate.fit_near(effects, &near)?, is_adequate, progress)?;
+        let best = found.best.as_ref().unwrap_or(&found.base);
+        return Ok(Some(fits(context, model, (&separate, best))));
+    }
+    let close = separate.fit_near_with(effects, &near, COMPARED)?;
+    let found = fits(context, model, (&separate, &close));
+    // Standard errors are those of derivatives that were measured.
+    if !found.adequate && found.odd().is_none() {
+        return Ok(Some(found));
+    }
+    let best = separate.fit_near(effects, &close)?;
+    Ok(Some(fits(context, model, (&separate, &best))))
+}
+
+/// What `best`, in which every recording is an object of its own, says next to `model`, which they share.
+fn fits(context: &Context, model: &Hypothesis, (separate, best): (&Context, &Hypothesis)) -> PerRecordingFits {
     let extra = best.structure.shared.len().saturating_sub(model.structure.shared.len());
     let scale = model.scale();
     let rms = |values: &Vec<f64>| (dot(values, values) / values.len().max(1) as f64).sqrt();
-    Ok(Some(PerRecordingFits {
+    PerRecordingFits {
         effects: best.structure.effects.iter().map(|&e| separate.catalogue[e].name.clone()).collect(),
         gain: context.criterion(model.deviance(scale), best.deviance(scale), extra as f64),
-        adequate: is_adequate(&separate, best),
-        estimates: estimates(best, recordings.len()),
+        adequate: is_adequate(separate, best),
+        estimates: estimates(best, context.recordings().len()),
         rms: best.fit.residuals.iter().map(rms).collect(),
-    }))
+    }
 }
 
 /// Every number of `model` that each recording has for itself.
