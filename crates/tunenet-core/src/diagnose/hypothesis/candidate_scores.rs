@@ -20,7 +20,7 @@ use crate::{Error, Result};
 /// One step with derivatives that are known already.
 const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
 const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: false, ..FULL };
-/// The same where derivatives are known nearby.
+/// A few steps from derivatives that were measured at a point nearby.
 const NEAR_STEPS: Effort = Effort { steps: 6, derivatives: 2, ..FEW_STEPS };
 /// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
 /// not there to be seen.

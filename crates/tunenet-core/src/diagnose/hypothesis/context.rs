@@ -19,7 +19,7 @@ use crate::estimate::information_criterion::{bic_gain, likelihood_gain};
 /// A full fit.
 pub(in crate::diagnose) const FULL: Effort =
     Effort { steps: 40, derivatives: 12, ends_measured: true, tolerance: 0.02, horizon: 1.0 };
-/// A fit that is compared with others, and of which no error is stated: it ends where its steps gain what its derivatives promise.
+/// A fit of a hypothesis that is only compared: it ends as soon as its steps gain what its derivatives predict. Its covariance is rough.
 pub(in crate::diagnose) const COMPARED: Effort = Effort { ends_measured: false, ..FULL };
 /// A change of the noise's lag-1 correlation below this is left.
 const CORRELATION_CHANGE: f64 = 0.05;
@@ -128,8 +128,8 @@ impl<'a> Context<'a> {
         Structure::new(self.subjects, self.recordings(), &self.catalogue, effects, fixed, self.event_effects.is_some())
     }
 
-    /// Whether several motions that nothing drives were recorded: what a search leaves of them for other reasons than the noise, another
-    /// search leaves as well. Of one motion, or of a mechanism with inputs, another noise may show something else.
+    /// Whether several motions without inputs were recorded. Only for these are searches left out that cannot succeed. In a single motion, or
+    /// in a mechanism with inputs, a search with another noise model finds other effects.
     pub fn shows_free_motions(&self) -> bool {
         let free = |recording: &PreparedRecording| !recording.driven() && recording.prepared.circumstances.is_none();
         self.recordings().iter().all(free) && !self.evidence.shows_one_motion()

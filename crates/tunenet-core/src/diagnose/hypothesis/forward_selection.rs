@@ -18,7 +18,7 @@ const MOST_SWAPS: usize = 6;
 /// outliers and of autocorrelated noise.
 const ONE_OF_SEVERAL: f64 = 2.0;
 
-/// Noise whose lag-1 correlation is less by so much shows effects that it hid before.
+/// If the lag-1 correlation of the noise falls by this much, a search finds effects that it did not find before.
 const HIDDEN: f64 = 0.3;
 
 /// An effect has to reduce the mean square by this factor to be worth a name.
@@ -104,8 +104,8 @@ pub(in crate::diagnose) struct SelectedEffect {
 /// Whether what a hypothesis leaves looks like noise.
 pub(in crate::diagnose) type IsAdequate = fn(&Context, &Hypothesis) -> bool;
 
-/// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again. Effects that leave
-/// more than either noise stay as they are: by another noise nothing else takes their place, unless the first one hid much.
+/// With the effects in, the noise shows more clearly; where it differs from what was taken for it, the search is repeated. It is not
+/// repeated if the effects are inadequate with both noise models, unless the first one hid much.
 pub(in crate::diagnose) fn search_again<'a>(
     context: Context<'a>,
     found: Selection<'a>,
@@ -178,7 +178,7 @@ pub(in crate::diagnose) fn search<'a>(
             Revision::Replaced(other) => best = other.map(|model| *model),
         }
     }
-    // Candidates are fitted no farther than they can be compared.
+    // Candidates were fitted only to be compared; the answer needs measured derivatives.
     best = best.map(|model| context.fit_near(&model.structure.effects, &model)).transpose()?;
     if let (Some(model), true) = (&best, selected.is_empty()) {
         selected = model.structure.effects.iter().map(|&e| unjudged(e)).collect();

@@ -18,7 +18,7 @@ use crate::diagnose::{Progress, Test};
 
 /// Correlations above this would leave next to no independent value.
 const GREATEST: f64 = 0.97;
-/// What misses a limit by more than this factor does not meet it by other effects.
+/// If effects miss a limit by more than this factor, fewer effects do not meet it either.
 const NEARLY: f64 = 1.25;
 
 pub(super) struct DiscrepancyAsNoise;

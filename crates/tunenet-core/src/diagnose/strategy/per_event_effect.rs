@@ -17,9 +17,9 @@ use crate::diagnose::judge::random_effect::EventEffectFit;
 use crate::diagnose::judge::random_effect::admit;
 use crate::diagnose::judge::random_effect::fit_event_effects;
 
-/// A fit that shows whether draws explain what is left: they are linear in it but for a small part.
+/// A fit that shows whether draws explain the residual, which is nearly linear in them.
 const DRAWN: Effort = Effort { steps: 20, derivatives: 3, ..COMPARED };
-/// What leaves more than so many times the noise with draws, is not explained by another correlation of the noise.
+/// A residual of more than this many times the noise, with draws fitted, is not due to a wrong autocorrelation of the noise.
 const FAR: f64 = 1.3;
 
 pub(super) struct PerEventEffect;
