@@ -1,9 +1,10 @@
 //! Comparison of models of which none holds the other (Cox 1961), by the criterion of Schwarz in the response linearised about named effects
-//! (Ljung 1999, section 4.5): whether a force of the table of shapes, or a push at every contact, explains recordings as well in the place of
-//! an effect.
+//! (Ljung 1999, section 4.5): whether a force of the table of shapes, a push at every contact, or a drift of the measurement explains
+//! recordings as well in the place of an effect.
 
 use super::around::Around;
 use super::colour::Colour;
+use super::drift::drifts;
 use super::evidence::{Shared, residual_force};
 use super::linear::{Candidate, Search, solved};
 use super::pooled;
@@ -19,13 +20,13 @@ use crate::simulator::{Effect, Prepared};
 /// A force of which the named effects can do all but this share (of squares) is one of them in other words.
 const SAME: f64 = 0.01;
 
-/// What the table of shapes says of effects that were named.
+/// What forces and drifts say of effects that were named.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contest {
     /// The evidence for a force that they leave, in nats.
     pub left_force_nats: f64,
-    /// How far the best force or push in the place of one or of all of them surpasses them by the criterion of Schwarz, in twice the logarithmic
-    /// likelihood; `None` where they have no coefficients to compare with.
+    /// How far the best force, push or drift in the place of one or of all of them surpasses them by the criterion of Schwarz, in twice the
+    /// logarithmic likelihood; `None` where they have no coefficients to compare with.
     pub ahead: Option<f64>,
     /// How many of the effects have coefficients to compare with.
     pub compared: usize,
@@ -33,9 +34,8 @@ pub struct Contest {
     pub rollouts: usize,
 }
 
-/// Compares effects, whose coefficients are parameters of `host`, with every force of one factor and
-/// every push at contacts. A fit of all ended
-/// at `known`, if any did.
+/// Compares effects, whose coefficients are parameters of `host`, with every force of one factor, every push at contacts and every drift of
+/// the measurement. A fit of all ended at `known`, if any did.
 ///
 /// # Errors
 /// Where the simulator refuses the recordings there.
@@ -67,10 +67,15 @@ pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], kno
     let all = (each.len() > 1).then(|| each.concat());
     let named = &around.response;
     let pushes = pushes(named, recordings);
+    let drifts = drifts(recordings, session.noise, &session.base.residuals);
     let ahead = each.iter().chain(&all).filter_map(|own| {
         let without = without(&session, &around.columns, own, named);
         let gain = price::likelihood(session.count, without.squares, named.squares);
-        let others = [force(host.space(), &without, named), push(host.space(), &without, named, &pushes)];
+        let others = [
+            force(host.space(), &without, named),
+            push(host.space(), &without, named, &pushes),
+            drift(&without, named, &drifts),
+        ];
         let best = others.into_iter().flatten().reduce(f64::max);
         best.map(|other| other - price::bic(gain, session.count, own.len()))
     });
@@ -125,6 +130,17 @@ fn push(space: &Space, without: &Response, named: &Response, pushes: &[f64]) -> 
         let known = is_known(&sum, &Column::sum(&named.columns(direction, pushes), &sizes)?);
         let likelihood = price::likelihood(without.count, without.squares, without.squares - gain);
         (!known).then(|| price::bic(likelihood, without.count, sizes.len()))
+    });
+    each.reduce(f64::max)
+}
+
+/// The same of the best drift of the measurement.
+fn drift(without: &Response, named: &Response, drifts: &[Vec<Vec<f64>>]) -> Option<f64> {
+    let each = drifts.iter().filter_map(|change| {
+        let column = without.changed(change);
+        let (gain, sizes) = solved(&[&column], &without.whole)?;
+        let likelihood = price::likelihood(without.count, without.squares, without.squares - gain);
+        (!is_known(&column, &named.changed(change))).then(|| price::bic(likelihood, without.count, sizes.len()))
     });
     each.reduce(f64::max)
 }
@@ -217,6 +233,13 @@ mod tests {
             v0 / frequency * turned.sin() - GRAVITY_M_S2 / frequency.powi(2) * (1.0 - turned.cos())
         });
         assert!(found.ahead.is_some_and(|ahead| ahead > 100.0), "{found:?}");
+    }
+
+    /// x(t) = (v0 t − g t²/2)(1 + k t).
+    #[test]
+    fn a_scale_that_drifts_surpasses_a_wrong_effect() {
+        let found = contest_of(&|v0, t| (v0 * t - 0.5 * GRAVITY_M_S2 * t * t) * (1.0 + 0.02 * t));
+        assert!(found.ahead.is_some_and(|ahead| ahead > 0.0), "{found:?}");
     }
 
     #[test]

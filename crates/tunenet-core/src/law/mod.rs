@@ -27,7 +27,7 @@
 //! | `gates` | what a law has to pass, and what casts a doubt on it |
 //! | `alone` | which laws a law has to surpass before it stands alone |
 //! | `decay` | a force with a hidden state that it has to surpass as well |
-//! | `contest` | whether something in no catalogue surpasses effects that were named |
+//! | `contest`, `drift` | whether something in no catalogue surpasses effects that were named |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `course` | its force along each variable, and what the recordings ask for there |
 //! | `answer`, `reason` | what a search ends with, and why not with one law |
@@ -42,6 +42,7 @@ mod colour;
 mod contest;
 mod course;
 mod decay;
+mod drift;
 mod evidence;
 mod explore;
 mod exponent;

@@ -39,6 +39,8 @@ pub(super) struct Part {
     basis: DMatrix<f64>,
     /// An orthonormal basis of the nuisance parameters' columns.
     own: DMatrix<f64>,
+    /// What of each value the shared parameters explain, shape `[value, parameter]`.
+    tangents: DMatrix<f64>,
     /// The residuals in the coordinates.
     pub residual: DVector<f64>,
 }
@@ -86,6 +88,8 @@ pub(super) struct Response {
     pub parts: Vec<Part>,
     /// The residuals as a column.
     pub left: Column,
+    /// The same in the values themselves, of which a force can change only the coordinates.
+    pub whole: Column,
     /// Their sum of squares after initial states and parameters.
     pub squares: f64,
     /// How many values there are.
@@ -195,7 +199,7 @@ impl Response {
         let normal = tangents.iter().fold(DMatrix::zeros(shared, shared), |sum, t| sum + t.transpose() * t);
         let root = inverse_root(&normal);
         let mut variables = vec![Vec::new(); ranges.len()];
-        let (mut made, mut explained, mut squares) = (Vec::new(), DVector::zeros(root.ncols()), 0.0);
+        let (mut made, mut explained, mut residuals) = (Vec::new(), DVector::zeros(root.ncols()), Vec::new());
         for (d, (all, response)) in parts.into_iter().enumerate() {
             let visits: Vec<Visit> = all.iter().skip(INSTANTS / 2).step_by(INSTANTS).cloned().collect();
             let residual = clean(d, DMatrix::from_column_slice(without[d].len(), 1, &without[d]));
@@ -204,7 +208,7 @@ impl Response {
             let along = basis.transpose() * &cleaned;
             let orthonormal = &tangents[d] * &root;
             explained += orthonormal.transpose() * residual.column(0);
-            squares += residual.norm_squared();
+            residuals.extend(residual.iter());
             for visit in &all {
                 variables.iter_mut().zip(&visit.variables).for_each(|(all, value)| all.push(*value));
             }
@@ -231,15 +235,17 @@ impl Response {
                 explained: orthonormal.transpose() * &basis,
                 residual: basis.transpose() * residual.column(0),
                 own: owns[d].clone(),
+                tangents: orthonormal,
                 visits,
                 all,
                 response,
                 basis,
             });
         }
-        let left = Column { coordinates: stacked(made.iter().map(|p| &p.residual)), explained };
-        let squares = squares - left.explained.norm_squared();
-        Self { parts: made, left, squares, count, ranges, without, variables }
+        let left = Column { coordinates: stacked(made.iter().map(|p| &p.residual)), explained: explained.clone() };
+        let whole = Column { coordinates: DVector::from_vec(residuals), explained };
+        let squares = whole.dot(&whole);
+        Self { parts: made, left, whole, squares, count, ranges, without, variables }
     }
 
     /// How many instants there are.
@@ -274,6 +280,19 @@ impl Response {
             Column { coordinates: DVector::from_vec(coordinates), explained }
         };
         (0..components).map(one).collect()
+    }
+
+    /// What a change of the predictions of each recording, in units of the noise, is next to initial states and parameters: a column in the
+    /// values themselves.
+    pub fn changed(&self, change: &[Vec<f64>]) -> Column {
+        let (mut coordinates, mut explained) = (Vec::new(), DVector::zeros(self.whole.explained.len()));
+        for (part, change) in self.parts.iter().zip(change) {
+            let change = DVector::from_column_slice(change);
+            let cleaned = &change - &part.own * part.own.tr_mul(&change);
+            explained += part.tangents.tr_mul(&cleaned);
+            coordinates.extend(cleaned.iter());
+        }
+        Column { coordinates: DVector::from_vec(coordinates), explained }
     }
 
     /// The means of these values at all instants over the pieces of each recording.
