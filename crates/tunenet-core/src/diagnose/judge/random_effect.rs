@@ -32,6 +32,8 @@ pub(in crate::diagnose) struct EventEffectFit {
     pub p_value: f64,
     /// Standard deviation of a draw, in the unit of the draws.
     pub sd: f64,
+    /// Root mean squares of what is left in units of the noise: without draws, and with them, if the recordings are linear in them.
+    pub left: (f64, f64),
     /// The draws of each recording.
     pub draws: Vec<Vec<Parameter>>,
 }
@@ -92,11 +94,14 @@ pub(in crate::diagnose) fn fit_event_effects(
     if stacked.is_empty() {
         return Ok(None);
     }
-    let (likelihood, sd) = random_effect(&stacked, &left, context.count());
+    let (likelihood, sd, explained) = random_effect(&stacked, &left, context.count());
+    let rms = |squares: f64| (squares.max(0.0) / context.count() as f64).sqrt();
+    let squares = dot(&left, &left);
+    let left = (rms(squares), rms(squares - explained));
     let gain = likelihood - (context.count() as f64).ln();
     // Half of the probability lies on the bound, where the standard deviation is 0.
     let p_value = (0.5 * p_value(likelihood, 1) * context.catalogue.len() as f64).min(1.0);
-    Ok(Some(EventEffectFit { gain, p_value, sd, draws: all_draws }))
+    Ok(Some(EventEffectFit { gain, p_value, sd, left, draws: all_draws }))
 }
 
 /// The context in which every recording has these draws as nuisance parameters, with a prior of mean 0 and their standard deviation.
@@ -131,14 +136,14 @@ fn draws(simulator: &dyn Simulator, recording: &PreparedRecording) -> Result<Vec
     })
 }
 
-/// Twice the gain in marginal logarithmic likelihood by a random effect with these columns, and its standard deviation in
-/// the columns' unit; `count` values have noise of unit size or a common multiple of it.
-fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64) {
+/// Twice the gain in marginal logarithmic likelihood by a random effect with these columns, its standard deviation in the columns' unit, and
+/// how much of the sum of squares its draws explain; `count` values have noise of unit size or a common multiple of it.
+fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64, f64) {
     let size = columns.len();
     let gram = DMatrix::from_fn(size, size, |i, j| dot(&columns[i], &columns[j]));
     let right = DVector::from_fn(size, |i, _| dot(&columns[i], left));
     if gram.iter().chain(right.iter()).any(|v| !v.is_finite()) {
-        return (0.0, 0.0);
+        return (0.0, 0.0, 0.0);
     }
     let eigen = gram.symmetric_eigen();
     let whole = dot(left, left);
@@ -151,7 +156,7 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64)
         .filter(|(_, lambda)| **lambda > 1e-9)
         .map(|(k, lambda)| (*lambda, eigen.eigenvectors.column(k).dot(&right).powi(2) / lambda))
         .collect();
-    let (mut best, mut best_sd, mut sd) = (0.0, 0.0, LEAST_SD);
+    let (mut best, mut sd) = ((0.0, 0.0, 0.0), LEAST_SD);
     while sd < GREATEST_SD {
         let (mut explained, mut width) = (0.0, 0.0);
         for (lambda, square) in &directions {
@@ -160,17 +165,17 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64)
             width += (1.0 + inflated).ln();
         }
         let gain = n * (whole / (whole - explained).max(1e-9 * whole)).ln() - width;
-        if gain > best {
-            (best, best_sd) = (gain, sd);
+        if gain > best.0 {
+            best = (gain, sd, explained);
         }
         sd *= FACTOR;
     }
-    (best, best_sd)
+    best
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{fit_event_effects, random_effect};
+    use super::{dot, fit_event_effects, random_effect};
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::in_swings;
     use rand::{Rng, SeedableRng};
@@ -183,11 +188,13 @@ mod tests {
         let mut left: Vec<f64> = (0..400).map(|_| normal()).collect();
         let columns: Vec<Vec<f64>> =
             (0..40).map(|k| (0..400).map(|i| if i == k { 60.0 } else { 0.0 }).collect()).collect();
-        let (gain, _) = random_effect(&columns, &left, 400);
+        let (gain, ..) = random_effect(&columns, &left, 400);
         assert!(gain < 4.0, "{gain}");
         (0..40).for_each(|k| left[k] += 60.0 * 0.05 * normal());
-        let (gain, sd) = random_effect(&columns, &left, 400);
+        let (gain, sd, explained) = random_effect(&columns, &left, 400);
         assert!(gain > 30.0 && (sd - 0.05).abs() < 0.015, "{gain} {sd}");
+        let rest = (dot(&left, &left) - explained) / 400.0;
+        assert!((rest.sqrt() - 1.0).abs() < 0.15, "the noise is left: {rest}");
     }
 
     #[test]

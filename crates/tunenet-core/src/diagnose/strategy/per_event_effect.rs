@@ -21,6 +21,8 @@ use crate::diagnose::judge::random_effect::fit_event_effects;
 const DRAWN: Effort = Effort { steps: 20, derivatives: 3, ..COMPARED };
 /// A residual of more than this many times the noise, with draws fitted, is not due to a wrong autocorrelation of the noise.
 const FAR: f64 = 1.3;
+/// Recordings are linear in draws but for less than this share of what these explain.
+const BENT: f64 = 0.2;
 
 pub(super) struct PerEventEffect;
 
@@ -32,11 +34,12 @@ impl Refinement for PerEventEffect {
     fn attempt<'a>(&self, mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
         attempt.control = Some(attempt.negative_control()?);
         let adequate = attempt.residuals.passed();
-        let Some(effects) = leading_effects(&attempt.context, &mut attempt.found, adequate)? else {
+        let Some(leading) = leading_effects(&attempt.context, &mut attempt.found, adequate)? else {
             return Ok(attempt);
         };
         let before = attempt.context.clone();
-        let Some((context, near)) = with_draws(&attempt, &effects)? else { return Ok(attempt) };
+        let Some((context, near)) = with_draws(&attempt, &leading)? else { return Ok(attempt) };
+        let effects = leading.effects;
         attempt.lag1 = context.evidence.noise.lag1();
         attempt.context = context;
         attempt.found = search_with(&attempt.context, attempt.found, (&near, &effects), progress)?;
@@ -60,29 +63,39 @@ impl Refinement for PerEventEffect {
     }
 }
 
+/// The random effect of events that may be part of the explanation.
+struct Leading {
+    effects: EventEffectFit,
+    /// Whether it was looked at in addition to nothing else.
+    is_alone: bool,
+    /// What it explains in addition to nothing else, if anything.
+    alone: Option<EventEffectFit>,
+}
+
 /// The random effect of events, if it explains more than every other effect, or what no other effect explains.
-fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> Result<Option<EventEffectFit>> {
+fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> Result<Option<Leading>> {
     let significant =
         |fit: &EventEffectFit| fit.gain > context.settings.margin && fit.p_value < context.settings.significance;
-    let alone = fit_event_effects(context, &found.base)?.filter(significant);
+    let all = fit_event_effects(context, &found.base)?;
+    let alone = all.clone().filter(significant);
     if let (Some(random), Some(entry)) = (&alone, context.catalogue.iter().position(Entry::is_random_effect)) {
         found.alone.push(CandidateFit::unfitted(entry, random.gain));
         found.alone.sort_by(CandidateFit::order);
     }
     // At the misfit's own scale, as the gain of the random effect is.
     let others = found.best.as_ref().map_or(0.0, |best| gain(context, &found.base, best, found.base.scale()));
-    if alone.as_ref().is_some_and(|random| random.gain > others) {
-        return Ok(alone);
+    if let Some(effects) = alone.filter(|random| random.gain > others) {
+        return Ok(Some(Leading { effects, is_alone: true, alone: all }));
     }
-    match &found.best {
-        Some(best) if !adequate => Ok(fit_event_effects(context, best)?.filter(significant)),
-        _ => Ok(None),
-    }
+    let Some(best) = found.best.as_ref().filter(|_| !adequate) else { return Ok(None) };
+    let next = fit_event_effects(context, best)?.filter(significant);
+    Ok(next.map(|effects| Leading { effects, is_alone: false, alone: all }))
 }
 
 /// The context with the draws of the random effect as nuisance parameters, and a hypothesis with these. `None` where several motions were
-/// recorded, and what was found leaves more than noise even with draws: then the random effect is no part of an explanation.
-fn with_draws<'a>(attempt: &Attempt<'a>, effects: &EventEffectFit) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
+/// recorded, and draws explain them neither next to the effects that were found nor alone: then they are no part of an explanation.
+fn with_draws<'a>(attempt: &Attempt<'a>, leading: &Leading) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
+    let effects = &leading.effects;
     let admitted = admit(&attempt.context, effects)?;
     let drawn = |model: &Hypothesis<'a>| -> Result<Hypothesis<'a>> {
         let mut nuisances = model.fit.point.nuisances.clone();
@@ -93,14 +106,31 @@ fn with_draws<'a>(attempt: &Attempt<'a>, effects: &EventEffectFit) -> Result<Opt
         let structure = admitted.structure(&model.structure.effects)?;
         Ok(Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } })
     };
+    let base = &attempt.found.base;
     if !admitted.shows_free_motions() {
-        let near = drawn(&attempt.found.base)?;
+        let near = drawn(base)?;
         return Ok(Some((admitted, near)));
     }
-    let near = drawn(attempt.last())?;
-    let fitted = admitted.fit_near_with(&near.structure.effects, &near, DRAWN)?;
-    if residual_diagnostics(&admitted, &fitted).passed() {
-        return Ok(Some((admitted, fitted)));
+    if let Some(best) = &attempt.found.best {
+        let of_best = if leading.is_alone { fit_event_effects(&attempt.context, best)? } else { Some(effects.clone()) };
+        let found = if may_explain(of_best.as_ref()) { explained(&admitted, &drawn(best)?)? } else { None };
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    if may_explain(leading.alone.as_ref()) { explained(&admitted, &drawn(base)?) } else { Ok(None) }
+}
+
+/// Whether draws may leave no more than noise: what they leave where the recordings are linear in them is little, or little of what is there.
+fn may_explain(effects: Option<&EventEffectFit>) -> bool {
+    effects.is_some_and(|EventEffectFit { left: (before, after), .. }| *after <= FAR.max(BENT * before))
+}
+
+/// A fit near a hypothesis with draws that leaves no more than noise, in the noise of the context or with an autocorrelation learned from it.
+fn explained<'a>(admitted: &Context<'a>, near: &Hypothesis<'a>) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
+    let fitted = admitted.fit_near_with(&near.structure.effects, near, DRAWN)?;
+    if residual_diagnostics(admitted, &fitted).passed() {
+        return Ok(Some((admitted.clone(), fitted)));
     }
     let evidence = if spread(&fitted.fit.residuals) < FAR { admitted.learn_noise(&fitted)? } else { None };
     let Some(evidence) = evidence else { return Ok(None) };
@@ -149,5 +179,12 @@ mod tests {
             let same = PerEventEffect.attempt(whole, &|_| {}).unwrap();
             assert!(same.context.event_effects.is_none() && same.control.unwrap().wrong.is_some());
         });
+    }
+
+    #[test]
+    fn draws_that_leave_much_by_their_derivatives_are_not_fitted() {
+        let fit = |left| EventEffectFit { gain: 100.0, p_value: 0.0, sd: 0.1, left, draws: Vec::new() };
+        assert!(may_explain(Some(&fit((2.0, 1.1)))) && may_explain(Some(&fit((12.0, 1.9)))));
+        assert!(!may_explain(Some(&fit((3.0, 1.9)))) && !may_explain(None));
     }
 }
