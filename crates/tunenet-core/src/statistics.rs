@@ -147,6 +147,13 @@ pub fn wilson_interval(hits: usize, count: usize) -> (f64, f64) {
     ((middle - reach).max(0.0), (middle + reach).min(1.0))
 }
 
+/// At most `most` of the positions below `count`, at equal distances.
+#[must_use]
+pub fn evenly(count: usize, most: usize) -> Vec<usize> {
+    let taken = count.min(most);
+    (0..taken).map(|k| (2 * k + 1) * count / (2 * taken)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,5 +188,12 @@ mod tests {
         assert!((upper_chi_squared(NORMAL_95.powi(2), 1.0) - 0.05).abs() < 1e-9);
         assert!((upper_f(4.102_821, 2.0, 10.0) - 0.05).abs() < 1e-6);
         assert_eq!(student_quantile(UPPER_95, 0.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn even_positions_have_equal_distances() {
+        assert_eq!(evenly(30, 3), [5, 15, 25]);
+        assert_eq!(evenly(2, 3), [0, 1]);
+        assert!(evenly(0, 3).is_empty());
     }
 }

@@ -6,6 +6,7 @@ pub(in crate::diagnose) mod copies;
 pub(in crate::diagnose) mod outliers;
 pub(in crate::diagnose) mod proposed;
 pub(in crate::diagnose) mod recording;
+pub(in crate::diagnose) mod sample;
 pub(in crate::diagnose) mod segment_noise;
 pub(in crate::diagnose) mod segments;
 pub(in crate::diagnose) mod unmeasured;

@@ -17,10 +17,16 @@ use crate::Result;
 use crate::diagnose::discrepancy::{
     Gated, better_null, fit_null, is_far_above_noise, lower_null, search_gated, with_groups,
 };
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::{Selection, add_exact_twins};
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::sample::Sample;
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, add_exact_twins};
+use crate::diagnose::hypothesis::joint::{Outcome, Point};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
-use crate::diagnose::judge::adequacy::{RESOLVED, ResidualDiagnostics, is_below_steps, residual_diagnostics};
+use crate::diagnose::judge::adequacy::{
+    RESOLVED, ResidualDiagnostics, is_adequate, is_below_steps, residual_diagnostics,
+};
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
@@ -153,6 +159,15 @@ impl<'a> Attempt<'a> {
             && self.odd.is_none()
     }
 
+    /// Whether it explains whole recordings by effects alone, or not at all.
+    fn is_plain(&self) -> bool {
+        let context = &self.context;
+        let is_free = !context.required_first && context.given.is_empty() && context.spared.is_empty();
+        let is_alike = self.random_parameter.is_none() && self.per_recording.is_none() && self.odd.is_none();
+        let is_whole = self.scope == Scope::Whole && self.practical.is_none();
+        is_whole && is_alike && is_free && context.event_effects.is_none()
+    }
+
     /// What wrong effects reach on held-out recordings.
     pub fn negative_control(&self) -> Result<Control> {
         let wrong = negative_control(&self.context, &self.found, self.before.as_ref())?;
@@ -189,14 +204,78 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     if context.evidence.discrepancy() {
         return explain_discrepant(context, progress);
     }
-    let mut attempt = Attempt::tuned(context)?;
+    let attempt = Attempt::tuned(context)?;
+    match in_a_sample(&attempt, progress)? {
+        Some(found) => Ok(found),
+        None => refined(attempt, progress),
+    }
+}
+
+/// By every refinement that applies.
+fn refined<'a>(mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
     for refinement in REFINEMENTS {
-        let enough = context.settings.quick && attempt.scope != Scope::Tuned;
+        let enough = attempt.context.settings.quick && attempt.scope != Scope::Tuned;
         if !enough && refinement.applies(&attempt) {
             attempt = refinement.attempt(attempt, progress)?;
         }
     }
     Ok(attempt)
+}
+
+/// What is missing from many recordings as a sample of them shows it, fitted to all. `None` where the simulation as it is explains them,
+/// where the sample leaves a choice that all may not leave, and where effects explain the sample and not all, or the other way round.
+fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Attempt<'a>>> {
+    let context = &attempt.context;
+    let Some(Sample { evidence, fitted }) = context.evidence.sample() else { return Ok(None) };
+    if context.settings.quick || !context.shows_free_motions() || is_adequate(context, attempt.last()) {
+        return Ok(None);
+    }
+    let few = context.with_evidence(evidence);
+    let of_all = &attempt.found.base.fit;
+    let nuisances = fitted.iter().map(|&i| of_all.point.nuisances[i].clone()).collect();
+    let base = few.fit_near(&[], &at(&few, (&[], of_all), nuisances)?)?;
+    let sampled = refined(Attempt::started(few, base), progress)?;
+    let found = &sampled.found;
+    let close = |(_, gap): &(usize, f64)| *gap < context.settings.margin;
+    let is_explained = sampled.residuals.passed();
+    if !sampled.is_plain() || is_explained && found.selected.iter().any(|effect| effect.others.iter().any(close)) {
+        return Ok(None);
+    }
+    let mut all = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(sampled.lag1));
+    let mut model = at(&all, (&sampled.last().structure.effects, &sampled.last().fit), of_all.point.nuisances.clone())?;
+    model = all.fit_near_with(&model.structure.effects, &model, COMPARED)?;
+    if let Some(evidence) = all.learn_noise(&model)? {
+        all = all.with_evidence(evidence);
+        model = all.fit_near_with(&model.structure.effects, &model, COMPARED)?;
+    }
+    if is_adequate(&all, &model) != is_explained {
+        return Ok(None);
+    }
+    if is_explained {
+        model = all.fit_near(&model.structure.effects, &model)?;
+    }
+    // What was compared in the sample gains in proportion to the number of values.
+    let times = all.count() as f64 / sampled.context.count() as f64;
+    let alone = found.alone.iter().map(|one| CandidateFit {
+        excluded: one.excluded.clone(),
+        ..CandidateFit::unfitted(one.entry, one.gain * times)
+    });
+    let selected = found.selected.iter().map(|one| SelectedEffect { gain: one.gain * times, ..one.clone() });
+    let (alone, selected) = (alone.collect(), selected.collect());
+    let base = all.fit_near(&[], &attempt.found.base)?;
+    let best = found.best.is_some().then_some(model);
+    let tested = Attempt::tested(all, Selection { base, alone, best, selected }, Scope::Whole, None)?;
+    Ok(Some(Attempt { control: sampled.control, ..tested }))
+}
+
+/// A hypothesis with the parameters of a fit to other recordings of the same object.
+fn at<'a>(
+    context: &Context<'a>,
+    (effects, fit): (&[usize], &Outcome),
+    nuisances: Vec<Vec<f64>>,
+) -> Result<Hypothesis<'a>> {
+    let point = Point { parameters: fit.point.parameters.clone(), nuisances };
+    Ok(Hypothesis { structure: context.structure(effects)?, fit: Outcome { point, ..fit.clone() } })
 }
 
 /// Right effects leave up to this many times what the tuned simulation leaves of held-out recordings in which a joint sticks: where it
@@ -280,6 +359,32 @@ mod tests {
             *wrong.fit.point.parameters.last_mut().unwrap() += 0.1;
             found.found.best = Some(wrong);
             assert!(borne_out(found).unwrap().last().structure.effects.is_empty());
+        });
+    }
+
+    /// The same effect as in all recordings, its value fitted to all, by fewer rollouts.
+    #[test]
+    fn what_many_recordings_miss_is_searched_in_a_sample() {
+        in_swings(&[(FRICTION, 0.15)], 40, 8, |context| {
+            let searched = |context: &Context| {
+                let found = refined(Attempt::tuned(context).unwrap(), &|_| {}).unwrap();
+                (found.last().structure.effects.clone(), found.last().fit.point.parameters.clone())
+            };
+            let (effects, parameters) = searched(context);
+            let in_all = context.rollouts.count();
+            let found = explain(context, &|_| {}).unwrap();
+            assert_eq!(found.last().structure.effects, effects);
+            for (sampled, all) in found.last().fit.point.parameters.iter().zip(&parameters) {
+                assert!((sampled - all).abs() < 1e-3 * all.abs(), "{sampled} {all}");
+            }
+            assert!(found.residuals.passed() && found.control.is_some());
+            assert_eq!(found.context.recordings().len(), 32);
+            let rollouts = context.rollouts.count() - in_all;
+            assert!(rollouts < in_all, "{rollouts} {in_all}");
+        });
+        in_swings(&[], 40, 8, |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            assert!(in_a_sample(&tuned, &|_| {}).unwrap().is_none());
         });
     }
 
