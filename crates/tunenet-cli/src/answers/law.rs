@@ -24,6 +24,14 @@ pub struct Found {
     pub parameters: Vec<Parameter>,
 }
 
+impl Found {
+    /// In how many recordings it was searched, where not in all.
+    pub fn sample(&self) -> Option<String> {
+        let (searched, all) = (self.answer.searched.len(), self.names.len());
+        (searched < all).then(|| format!("{searched} of {all} recordings"))
+    }
+}
+
 impl Law {
     /// What the search found, where it is the answer: a law, or several.
     pub fn decides(&self, diagnosis: diagnose::Verdict) -> Option<&Found> {
@@ -63,7 +71,8 @@ pub fn explained(found: &Found) -> Vec<Explained> {
         events: followed.events.clone(),
         nuisances: followed.nuisances.clone(),
     };
-    found.answer.followed.iter().zip(&found.names).enumerate().map(one).collect()
+    let names = found.answer.searched.iter().map(|&recording| &found.names[recording]);
+    found.answer.followed.iter().zip(names).enumerate().map(one).collect()
 }
 
 /// The parameters of the simulator as they were fitted with a law.

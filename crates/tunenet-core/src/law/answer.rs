@@ -156,11 +156,13 @@ pub struct Answer {
     /// What the best force that decays from a value of its own in each recording gains in the information criterion; `None` where the
     /// catalogue's answer leaves more than noise, where no law explains as much, or there is none.
     pub decay_bic_gain: Option<f64>,
+    /// The positions of the recordings in which it was searched among those that were to be fitted.
+    pub searched: Vec<usize>,
     /// How many recordings were held out.
     pub held_out: usize,
     /// Root mean square of the residuals in units of the noise, without a law and with the best.
     pub left: (f64, f64),
-    /// How the fitted recordings were followed, in their order; none without a law.
+    /// How the recordings in which it was searched were followed, in their order; none without a law.
     #[serde(skip)]
     pub followed: Vec<Followed>,
     /// Rollouts in all.

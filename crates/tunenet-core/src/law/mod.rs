@@ -87,7 +87,7 @@ pub use crate::estimate::Point;
 use crate::estimate::RolloutLog;
 use crate::estimate::floor;
 use crate::simulator::Prepared;
-use crate::statistics::root_mean_square;
+use crate::statistics::{evenly, root_mean_square};
 use ahead::Ahead;
 use around::Around;
 use between::between;
@@ -104,6 +104,9 @@ const UNFINISHED: f64 = 1.0;
 const LEAST_RECORDINGS: usize = 4;
 /// Most laws that are tested.
 const MOST_JUDGED: usize = 16;
+/// In so many recordings it is searched, and by so many of those held out judged.
+const MOST_FITTED: usize = 10;
+const MOST_CONFIRMING: usize = 5;
 /// Rollouts that are allowed for each recording, and the share of them that the search may use before its tests.
 const ROLLOUTS: usize = 3_000;
 const SEARCH_SHARE: f64 = 0.85;
@@ -140,18 +143,35 @@ impl Default for Settings {
     }
 }
 
-/// Searches the law that `host` lacks, in recordings prepared by it and judged by those held out.
+/// Searches the law that `host` lacks, in recordings prepared by it and judged by those held out. Of many, it takes ten of those to fit and five
+/// of those held out, evenly distributed.
 ///
 /// # Errors
 /// Where the simulator refuses the recordings without any law.
 pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], settings: &Settings) -> Result<Answer> {
+    let searched = evenly(recordings.len(), MOST_FITTED);
+    let chosen = |all: &[Prepared], positions: &[usize]| -> Vec<Prepared> {
+        positions.iter().map(|&i| all[i].clone()).collect()
+    };
+    let known = settings.known.as_ref().filter(|point| point.nuisances.len() == recordings.len()).map(|point| Point {
+        parameters: point.parameters.clone(),
+        nuisances: searched.iter().map(|&i| point.nuisances[i].clone()).collect(),
+    });
+    let settings = Settings { known, ..settings.clone() };
+    let confirming = chosen(held_out, &evenly(held_out.len(), MOST_CONFIRMING));
+    let answer = search_in(host, &chosen(recordings, &searched), &confirming, &settings)?;
+    Ok(Answer { searched, ..answer })
+}
+
+/// The same in all of these.
+fn search_in(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], settings: &Settings) -> Result<Answer> {
     let white = pooled(recordings, held_out);
     let (noise, held_noise) = white.split_at(recordings.len());
     let most = settings.rollouts.unwrap_or(ROLLOUTS * recordings.len());
     let log = RolloutLog::new(Some(most), None, None);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
     let allowed = (SEARCH_SHARE * most as f64) as usize;
-    let known = settings.known.as_ref().filter(|point| point.nuisances.len() == recordings.len());
+    let known = settings.known.as_ref();
     let first = Session::new(host, recordings, (noise, Colour::WHITE, known), &log, allowed)?;
     let colour = Colour::of(recordings, &first.base.residuals);
     let (noise, held_noise) = (colour.slow_noise(recordings, noise), colour.slow_noise(held_out, held_noise));
@@ -170,6 +190,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
         rival_bic_gain: None,
         rival_refused: false,
         decay_bic_gain: None,
+        searched: (0..recordings.len()).collect(),
         held_out: held_out.len(),
         left: (left, left),
         followed: Vec::new(),

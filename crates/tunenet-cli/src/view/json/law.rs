@@ -26,6 +26,7 @@ pub fn object(law: &Law) -> Json {
         "base_residual_force_nats": answer.base_force_nats,
         "catalogue_bic_gain": answer.rival_bic_gain,
         "decaying_force_bic_gain": answer.decay_bic_gain,
+        "recordings": answer.searched.len(),
         "held_out_recordings": answer.held_out,
         "residual_before": answer.left.0,
         "residual_after": answer.left.1,

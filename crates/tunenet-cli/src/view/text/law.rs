@@ -94,10 +94,9 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         if let Some(gap) = answer.gap() {
             shown.line(&format!("  {}", gap_line(&gap)));
         }
-        shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
-        return;
     }
-    shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
+    let sample = found.sample().map_or_else(String::new, |sample| format!(" in {sample}"));
+    shown.line(&format!("  law: {} rollouts{sample}, {:.1} s", found.answer.rollouts, law.seconds));
 }
 
 /// The evidence of a force without a law.

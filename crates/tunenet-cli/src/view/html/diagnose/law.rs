@@ -40,7 +40,11 @@ fn content(answer: &Answer, law: &Law) -> Markup {
             h3 { "Refused" }
             ul.plain { @for refused in &found.answer.refused { li { code { (refused.text) } ": " (why_refused(refused)) } } }
         }
-        p.how { (found.answer.rollouts) " rollouts of the search." }
+        p.how {
+            (found.answer.rollouts) " rollouts of the search"
+            @if let Some(sample) = found.sample() { " in " (sample) }
+            "."
+        }
     }
 }
 
