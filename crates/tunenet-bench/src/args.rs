@@ -272,6 +272,8 @@ pub enum DiagnoseRow {
     Plane,
     /// One effect in one drop, then the suggested experiment
     Experiment,
+    /// No effect or one in 100 drops; rollouts
+    Many,
     /// One effect in three drops; rollouts and time
     Cost,
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use tunenet_core::statistics::{median, quantile, wilson_interval};
 
+use super::blind::EffectKind;
 use super::trial::{Answer, BlindTrial, Mark};
 use crate::args::DiagnoseRow;
 use crate::goals;
@@ -54,6 +55,7 @@ pub struct DiagnoseResults {
 pub fn table(row: DiagnoseRow, trials: &[BlindTrial]) -> DiagnoseTable {
     let answered: Vec<&BlindTrial> = trials.iter().filter(|t| t.answer.is_some()).collect();
     let (columns, lines, goals) = match row {
+        DiagnoseRow::Many => many(&answered),
         DiagnoseRow::Cost => cost(&answered),
         DiagnoseRow::Experiment => experiment(&answered),
         row if row.is_clean() => clean(&answered),
@@ -339,6 +341,35 @@ fn cost(trials: &[&BlindTrial]) -> Parts {
     (vec!["sets", "median", "greatest"], lines, goals.into_iter().flatten().collect())
 }
 
+fn many(trials: &[&BlindTrial]) -> Parts {
+    let is_in = |trial: &BlindTrial| EffectKind::CATALOGUE.iter().any(|kind| trial.truth == [kind.name()]);
+    let kinds: [(&str, &dyn Fn(&BlindTrial) -> bool); 3] = [
+        ("nothing hidden", &|trial| trial.truth.is_empty()),
+        ("in the catalogue", &is_in),
+        ("not in the catalogue", &|trial| !trial.truth.is_empty() && !is_in(trial)),
+    ];
+    let rollouts = |trials: &[&BlindTrial]| -> Vec<f64> {
+        trials.iter().filter_map(|t| t.answer.as_ref()).map(|answer| answer.rollouts as f64).collect()
+    };
+    let greatest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let line = |(label, is): (&str, &dyn Fn(&BlindTrial) -> bool)| {
+        let own: Vec<&BlindTrial> = trials.iter().copied().filter(|trial| is(trial)).collect();
+        let of = rollouts(&own);
+        let shares = [Mark::Exact, Mark::Wrong].map(|mark| share(&own, &[mark]).unwrap_or(0.0));
+        let numbers =
+            [own.len() as f64, median(of.iter().copied()).unwrap_or(0.0), greatest(&of), shares[0], shares[1]];
+        DiagnoseLine { label: label.into(), numbers: numbers.to_vec() }
+    };
+    let all = rollouts(trials);
+    let goals = [
+        at_most("rollouts, median", goals::MANY_ROLLOUTS, median(all.iter().copied())),
+        at_most("rollouts, greatest", goals::MANY_ROLLOUTS, (!all.is_empty()).then(|| greatest(&all))),
+        at_most("wrong lone name, %", goals::WRONG_NAME, share(trials, &[Mark::Wrong])),
+    ];
+    let columns = vec!["sets", "rollouts, median", "rollouts, greatest", "exact %", "wrong lone name %"];
+    (columns, kinds.into_iter().map(line).collect(), goals.into_iter().flatten().collect())
+}
+
 fn confusion(trials: &[&BlindTrial]) -> Vec<(String, String, u64)> {
     let mut counts: BTreeMap<(String, String), u64> = BTreeMap::new();
     for trial in trials {
@@ -368,6 +399,19 @@ mod tests {
             seconds: 1.0,
         };
         BlindTrial { truth: vec![truth.into()], drops: 3, answer: Some(answer), floor_m: Some((1.0, 1.0)), then: None }
+    }
+
+    #[test]
+    fn rollouts_of_many_drops_are_compared_with_their_limit() {
+        let mut trials = vec![trial("wind", "named", "wind", 1.01); 3];
+        let Some(answer) = &mut trials[2].answer else { panic!("answered") };
+        answer.rollouts = 30_000;
+        trials.push(trial("vortex", "named", "wind", 1.5));
+        let table = table(DiagnoseRow::Many, &trials);
+        assert_eq!(table.lines[1].numbers, [3.0, 100.0, 30_000.0, 100.0, 0.0]);
+        assert_eq!(table.lines[2].numbers, [1.0, 100.0, 100.0, 0.0, 100.0]);
+        let goal = |what: &str| table.goals.iter().find(|g| g.what == what).unwrap();
+        assert!(goal("rollouts, median").met && !goal("rollouts, greatest").met);
     }
 
     #[test]

@@ -37,20 +37,40 @@ pub struct Counts {
     troubled: u64,
     /// Of each effect, for the experiment that is to separate what one drop cannot.
     experiments: u64,
+    /// Of each effect, in many drops.
+    many: u64,
     /// Sets that are timed.
     timed: u64,
 }
 
 impl Counts {
-    pub const WHOLE: Self =
-        Self { clean: 300, effect: 10, pairs: 60, outside: 3, threes: 40, troubled: 40, experiments: 5, timed: 10 };
-    pub const QUICK: Self =
-        Self { clean: 40, effect: 2, pairs: 12, outside: 1, threes: 6, troubled: 10, experiments: 1, timed: 4 };
+    pub const WHOLE: Self = Self {
+        clean: 300,
+        effect: 10,
+        pairs: 60,
+        outside: 3,
+        threes: 40,
+        troubled: 40,
+        experiments: 5,
+        many: 2,
+        timed: 10,
+    };
+    pub const QUICK: Self = Self {
+        clean: 40,
+        effect: 2,
+        pairs: 12,
+        outside: 1,
+        threes: 6,
+        troubled: 10,
+        experiments: 1,
+        many: 1,
+        timed: 4,
+    };
 }
 
 impl DiagnoseRow {
     /// Every row, in the order of the tables.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Clean,
         Self::Autocorrelated,
         Self::Outliers,
@@ -68,6 +88,7 @@ impl DiagnoseRow {
         Self::Scatter,
         Self::Plane,
         Self::Experiment,
+        Self::Many,
         Self::Cost,
     ];
 
@@ -90,6 +111,7 @@ impl DiagnoseRow {
             Self::Scatter => "scatter",
             Self::Plane => "plane",
             Self::Experiment => "experiment",
+            Self::Many => "many",
             Self::Cost => "cost",
         }
     }
@@ -116,6 +138,7 @@ impl DiagnoseRow {
             Self::Scatter => "nothing hidden; the restitution differs from recording to recording",
             Self::Plane => "one effect of the catalogue, 10 times the noise; only x and z are recorded",
             Self::Experiment => "one drop of one effect, 10 times the noise, then the experiment that was asked for",
+            Self::Many => "100 drops: nothing hidden, or an effect in or outside the catalogue, 10 times the noise",
             Self::Cost => "three drops of 216 samples on two threads",
         }
     }
@@ -224,6 +247,12 @@ impl DiagnoseRow {
             Self::Experiment => {
                 for kind in EffectKind::CATALOGUE {
                     cells.add(kind.name(), vec![kind], 10.0, 1, white, counts.experiments);
+                }
+            }
+            Self::Many => {
+                cells.add("100", vec![], 0.0, 100, white, 4 * counts.many);
+                for kind in EffectKind::CATALOGUE.into_iter().chain(EffectKind::OUTSIDE) {
+                    cells.add(&format!("100-{}", kind.name()), vec![kind], 10.0, 100, white, counts.many);
                 }
             }
             Self::Cost => cells.add("3", vec![EffectKind::QuadraticDrag], 10.0, 3, white, counts.timed),
