@@ -343,16 +343,11 @@ fn cost(trials: &[&BlindTrial]) -> Parts {
 
 fn many(trials: &[&BlindTrial]) -> Parts {
     let is_in = |trial: &BlindTrial| EffectKind::CATALOGUE.iter().any(|kind| trial.truth == [kind.name()]);
-    let kinds: [(&str, &dyn Fn(&BlindTrial) -> bool); 3] = [
-        ("nothing hidden", &|trial| trial.truth.is_empty()),
-        ("in the catalogue", &is_in),
-        ("not in the catalogue", &|trial| !trial.truth.is_empty() && !is_in(trial)),
-    ];
     let rollouts = |trials: &[&BlindTrial]| -> Vec<f64> {
         trials.iter().filter_map(|t| t.answer.as_ref()).map(|answer| answer.rollouts as f64).collect()
     };
     let greatest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let line = |(label, is): (&str, &dyn Fn(&BlindTrial) -> bool)| {
+    let line = |label: &str, is: &dyn Fn(&BlindTrial) -> bool| {
         let own: Vec<&BlindTrial> = trials.iter().copied().filter(|trial| is(trial)).collect();
         let of = rollouts(&own);
         let shares = [Mark::Exact, Mark::Wrong].map(|mark| share(&own, &[mark]).unwrap_or(0.0));
@@ -367,7 +362,12 @@ fn many(trials: &[&BlindTrial]) -> Parts {
         at_most("wrong lone name, %", goals::WRONG_NAME, share(trials, &[Mark::Wrong])),
     ];
     let columns = vec!["sets", "rollouts, median", "rollouts, greatest", "exact %", "wrong lone name %"];
-    (columns, kinds.into_iter().map(line).collect(), goals.into_iter().flatten().collect())
+    let lines = vec![
+        line("nothing hidden", &|trial| trial.truth.is_empty()),
+        line("in the catalogue", &is_in),
+        line("not in the catalogue", &|trial| !trial.truth.is_empty() && !is_in(trial)),
+    ];
+    (columns, lines, goals.into_iter().flatten().collect())
 }
 
 fn confusion(trials: &[&BlindTrial]) -> Vec<(String, String, u64)> {

@@ -109,14 +109,14 @@ impl Process {
             });
             (block, along)
         };
-        Self::new(parts.par_iter().map(one).collect(), &known.precision)
+        Self::new(&parts.par_iter().map(one).collect::<Vec<_>>(), &known.precision)
     }
 
     /// Of the covariance of each recording, and its residuals and directions as a [`Block`] has them.
-    fn new(blocks: Vec<(DMatrix<f64>, DMatrix<f64>)>, precision: &DVector<f64>) -> Option<Self> {
+    fn new(blocks: &[(DMatrix<f64>, DMatrix<f64>)], precision: &DVector<f64>) -> Option<Self> {
         let (mut trace, mut squares) = (0.0, 0.0);
         let mut along_residual = DVector::zeros(precision.len());
-        for (block, along) in &blocks {
+        for (block, along) in blocks {
             let (residual, directions) = (along.column(0), along.columns(1, precision.len()));
             trace += block.trace();
             squares += residual.norm_squared();
@@ -242,7 +242,7 @@ mod tests {
                     DMatrix::from_fn(3, 3, |i, j| if j == 0 { residual[at + i] } else { directions[(at + i, j - 1)] });
                 (process.view((at, at), (3, 3)).into_owned(), along)
             };
-            let found = Process::new(vec![block(0), block(3)], &precision).unwrap();
+            let found = Process::new(&[block(0), block(3)], &precision).unwrap();
             let trace = (&weight * &process * &weight).trace();
             assert!((found.trace - trace).abs() < 1e-9, "{} {trace}", found.trace);
             for variance in [1e-5, 0.3, 1e3] {
