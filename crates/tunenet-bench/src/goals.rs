@@ -60,9 +60,9 @@ pub const HELD_OUT_90: f64 = 1.05;
 pub const FORECAST_MEDIAN: f64 = 1.1;
 /// Median cost of an answer to three drops: rollouts, and seconds on two threads.
 pub const ANSWER_ROLLOUTS: f64 = 3000.0;
-/// The same of 100 drops, whatever the verdict.
-pub const MANY_ROLLOUTS: f64 = 20_000.0;
 pub const ANSWER_S: f64 = 2.0;
+/// Greatest number of rollouts of an answer to 100 drops, of any verdict.
+pub const MANY_ROLLOUTS: f64 = 20_000.0;
 
 /// `results/arm`, shares of the logs: least share named exactly at the noise or above, called unknown where it is in no
 /// catalogue, greatest share in which anything is named where nothing is hidden.
