@@ -40,6 +40,23 @@ impl Projector {
         }
     }
 
+    /// The values of the recording `index` in a stacked column.
+    pub fn range(&self, index: usize) -> std::ops::Range<usize> {
+        self.nuisances[index].0.clone()
+    }
+
+    /// A column of the recording `index` without what the nuisance parameters of that recording explain.
+    pub fn without_nuisances(&self, index: usize, column: &[f64]) -> Vec<f64> {
+        let mut column = column.to_vec();
+        take_out(&mut column, &self.nuisances[index].1);
+        column
+    }
+
+    /// The products of a column of the recording `index` with the orthonormal directions of the shared parameters, one for each.
+    pub fn along_shared(&self, index: usize, column: &[f64]) -> Vec<f64> {
+        self.shared.iter().map(|direction| dot(&direction[self.range(index)], column)).collect()
+    }
+
     /// In place.
     pub fn project(&self, column: &mut [f64]) {
         self.project_nuisances(column);

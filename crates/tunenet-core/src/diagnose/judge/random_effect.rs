@@ -4,6 +4,7 @@
 //! deviation, on which no rollout depends. A random effect can imitate much, so it is tried last.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
@@ -59,49 +60,56 @@ pub(in crate::diagnose) fn fit_event_effects(
     let projector = Projector::new(&columns, &lengths, model.structure.shared.len());
     let mut left = residuals.concat();
     projector.project(&mut left);
-    let total = left.len();
-    let (mut stacked, mut all_draws, mut begin) = (Vec::new(), Vec::new(), 0);
-    for (index, recording) in context.recordings().iter().enumerate() {
+    let of_recording = |(index, recording): (usize, &PreparedRecording)| -> Result<(Vec<Parameter>, Vec<Direction>)> {
         let simulator = &*carriers[recording.object];
         let draws = draws(simulator, recording)?;
-        let base = model.structure.parameters(recording.object, &model.fit.point.parameters);
-        let names = model.structure.simulator(recording.object).parameters();
-        // The coefficient of the random effect itself keeps its absent value.
-        let parameters: Vec<f64> = simulator
-            .parameters()
-            .iter()
-            .map(|p| names.iter().position(|n| n.name == p.name).map_or(p.value, |i| base[i]))
-            .collect();
-        let nuisances = |moved: Option<usize>| -> Vec<f64> {
-            let draws = (0..draws.len()).map(|k| if moved == Some(k) { STEP } else { 0.0 });
-            model.fit.point.nuisances[index].iter().copied().chain(draws).collect()
-        };
-        context.rollouts.spend()?;
-        let unmoved = predict(simulator, &recording.prepared, &parameters, &nuisances(None), recording.clock())?;
-        for k in 0..draws.len() {
-            context.rollouts.spend()?;
-            let moved = predict(simulator, &recording.prepared, &parameters, &nuisances(Some(k)), recording.clock())?;
-            let mut change: Vec<f64> = unmoved.iter().zip(&moved).map(|(a, b)| (a - b) / STEP).collect();
-            recording.filter.apply(&mut change);
-            let mut column = vec![0.0; total];
-            column[begin..begin + change.len()].copy_from_slice(&change);
-            projector.project(&mut column);
-            stacked.push(column);
-        }
-        begin += lengths[index];
-        all_draws.push(draws);
-    }
-    if stacked.is_empty() {
+        let columns = draw_columns(context, (model, index), simulator, draws.len())?;
+        Ok((draws, directions(&columns, (&projector, index), &left)))
+    };
+    let found: Result<Vec<_>> = context.recordings().par_iter().enumerate().map(of_recording).collect();
+    let (draws, directions): (Vec<_>, Vec<_>) = found?.into_iter().unzip();
+    if draws.iter().all(Vec::is_empty) {
         return Ok(None);
     }
-    let (likelihood, sd, explained) = random_effect(&stacked, &left, context.count());
-    let rms = |squares: f64| (squares.max(0.0) / context.count() as f64).sqrt();
     let squares = dot(&left, &left);
+    let (likelihood, sd, explained) = random_effect(&directions.concat(), squares, context.count());
+    let rms = |squares: f64| (squares.max(0.0) / context.count() as f64).sqrt();
     let left = (rms(squares), rms(squares - explained));
     let gain = likelihood - (context.count() as f64).ln();
     // Half of the probability lies on the bound, where the standard deviation is 0.
     let p_value = (0.5 * p_value(likelihood, 1) * context.catalogue.len() as f64).min(1.0);
-    Ok(Some(EventEffectFit { gain, p_value, sd, left, draws: all_draws }))
+    Ok(Some(EventEffectFit { gain, p_value, sd, left, draws }))
+}
+
+/// The derivatives of the residuals of the recording `index` by this many draws, by one rollout for each.
+fn draw_columns(
+    context: &Context<'_>,
+    (model, index): (&Hypothesis, usize),
+    simulator: &dyn Simulator,
+    draws: usize,
+) -> Result<Vec<Vec<f64>>> {
+    let recording = &context.recordings()[index];
+    let base = model.structure.parameters(recording.object, &model.fit.point.parameters);
+    let names = model.structure.simulator(recording.object).parameters();
+    // The coefficient of the random effect itself keeps its absent value.
+    let parameters: Vec<f64> = simulator
+        .parameters()
+        .iter()
+        .map(|p| names.iter().position(|n| n.name == p.name).map_or(p.value, |i| base[i]))
+        .collect();
+    let at = |moved: Option<usize>| -> Result<Vec<f64>> {
+        let draws = (0..draws).map(|k| if moved == Some(k) { STEP } else { 0.0 });
+        let nuisances: Vec<f64> = model.fit.point.nuisances[index].iter().copied().chain(draws).collect();
+        context.rollouts.spend()?;
+        predict(simulator, &recording.prepared, &parameters, &nuisances, recording.clock())
+    };
+    let unmoved = at(None)?;
+    let column = |k: usize| -> Result<Vec<f64>> {
+        let mut change: Vec<f64> = unmoved.iter().zip(&at(Some(k))?).map(|(a, b)| (a - b) / STEP).collect();
+        recording.filter.apply(&mut change);
+        Ok(change)
+    };
+    (0..draws).map(column).collect()
 }
 
 /// The context in which every recording has these draws as nuisance parameters, with a prior of mean 0 and their standard deviation.
@@ -136,37 +144,65 @@ fn draws(simulator: &dyn Simulator, recording: &PreparedRecording) -> Result<Vec
     })
 }
 
-/// Twice the gain in marginal logarithmic likelihood by a random effect with these columns, its standard deviation in the columns' unit, and
-/// how much of the sum of squares its draws explain; `count` values have noise of unit size or a common multiple of it.
-fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64, f64) {
+/// A principal direction of the draws of one recording, without what shared parameters explain of it.
+#[derive(Debug, Clone)]
+struct Direction {
+    /// How much a draw of size 1 along it moves the residuals, squared.
+    square: f64,
+    /// Its product with what is left.
+    along: f64,
+    /// Its products with the directions of the shared parameters.
+    shared: DVector<f64>,
+}
+
+/// The principal directions of a recording's draws, in which HᵀH is diagonal, by their derivatives H; none where a number is not finite.
+fn directions(columns: &[Vec<f64>], (projector, index): (&Projector, usize), left: &[f64]) -> Vec<Direction> {
+    let left = &left[projector.range(index)];
+    let columns: Vec<Vec<f64>> = columns.iter().map(|column| projector.without_nuisances(index, column)).collect();
     let size = columns.len();
     let gram = DMatrix::from_fn(size, size, |i, j| dot(&columns[i], &columns[j]));
-    let right = DVector::from_fn(size, |i, _| dot(&columns[i], left));
-    if gram.iter().chain(right.iter()).any(|v| !v.is_finite()) {
-        return (0.0, 0.0, 0.0);
+    let along = DVector::from_fn(size, |i, _| dot(&columns[i], left));
+    let shared: Vec<Vec<f64>> = columns.iter().map(|column| projector.along_shared(index, column)).collect();
+    let shared = DMatrix::from_fn(shared.first().map_or(0, Vec::len), size, |i, j| shared[j][i]);
+    if gram.iter().chain(&along).chain(&shared).any(|v| !v.is_finite()) {
+        return Vec::new();
     }
     let eigen = gram.symmetric_eigen();
-    let whole = dot(left, left);
+    let direction = |k: usize| {
+        let axis = eigen.eigenvectors.column(k);
+        Direction { square: eigen.eigenvalues[k].max(0.0), along: along.dot(&axis), shared: &shared * axis }
+    };
+    (0..size).map(direction).collect()
+}
+
+/// Twice the gain in marginal logarithmic likelihood by a random effect with these directions, its standard deviation in the draws' unit, and
+/// how much of the sum of squares its draws explain; `squares` is the sum of what is left, and `count` values have noise of unit size or a
+/// common multiple of it.
+///
+/// The draws of a recording are its own, so that the covariance has a block for each; shared parameters couple these, by the matrix inversion
+/// lemma and the lemma of its determinant (Rasmussen and Williams 2006, A.3). Time in proportion to the number of directions.
+fn random_effect(directions: &[Direction], squares: f64, count: usize) -> (f64, f64, f64) {
+    let shared = directions.first().map_or(0, |direction| direction.shared.len());
     let n = count as f64;
-    // Of each principal direction: how strongly the effect moves it, and the square of what is there.
-    let directions: Vec<(f64, f64)> = eigen
-        .eigenvalues
-        .iter()
-        .enumerate()
-        .filter(|(_, lambda)| **lambda > 1e-9)
-        .map(|(k, lambda)| (*lambda, eigen.eigenvectors.column(k).dot(&right).powi(2) / lambda))
-        .collect();
     let (mut best, mut sd) = ((0.0, 0.0, 0.0), LEAST_SD);
     while sd < GREATEST_SD {
         let (mut explained, mut width) = (0.0, 0.0);
-        for (lambda, square) in &directions {
-            let inflated = sd * sd * lambda;
-            explained += square * inflated / (1.0 + inflated);
-            width += (1.0 + inflated).ln();
+        let (mut inner, mut right) = (DMatrix::identity(shared, shared), DVector::zeros(shared));
+        for Direction { square, along, shared } in directions {
+            let inflated = sd * sd / (1.0 + sd * sd * square);
+            explained += inflated * along * along;
+            width += (sd * sd * square).ln_1p();
+            inner.ger(-inflated, shared, shared, 1.0);
+            right.axpy(inflated * along, shared, 1.0);
         }
-        let gain = n * (whole / (whole - explained).max(1e-9 * whole)).ln() - width;
-        if gain > best.0 {
-            best = (gain, sd, explained);
+        // With blocks that are not finite or not positive definite but for rounding, there is nothing to gain.
+        if let Some(factor) = inner.cholesky() {
+            explained += right.dot(&factor.solve(&right));
+            width += 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+            let gain = n * (squares / (squares - explained).max(1e-9 * squares)).ln() - width;
+            if gain > best.0 {
+                best = (gain, sd, explained);
+            }
         }
         sd *= FACTOR;
     }
@@ -175,26 +211,63 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64,
 
 #[cfg(test)]
 mod tests {
-    use super::{dot, fit_event_effects, random_effect};
+    use super::*;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::in_swings;
+    use crate::estimate::jacobian::Columns;
     use rand::{Rng, SeedableRng};
 
-    /// Forty directions, each moved by a draw of standard deviation .05 times a strength of 60 in noise of 1.
+    /// Forty directions, each moved by a draw of standard deviation 0.05 times a strength of 60 in noise of 1.
     #[test]
     fn the_spread_of_a_random_effect_is_found_and_noise_alone_has_none() {
         let mut draw = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let mut normal = || draw.sample::<f64, _>(rand_distr::StandardNormal);
         let mut left: Vec<f64> = (0..400).map(|_| normal()).collect();
-        let columns: Vec<Vec<f64>> =
-            (0..40).map(|k| (0..400).map(|i| if i == k { 60.0 } else { 0.0 }).collect()).collect();
-        let (gain, ..) = random_effect(&columns, &left, 400);
+        let along = |left: &[f64]| -> Vec<Direction> {
+            let one = |k: usize| Direction { square: 3600.0, along: 60.0 * left[k], shared: DVector::zeros(0) };
+            (0..40).map(one).collect()
+        };
+        let (gain, ..) = random_effect(&along(&left), dot(&left, &left), 400);
         assert!(gain < 4.0, "{gain}");
         (0..40).for_each(|k| left[k] += 60.0 * 0.05 * normal());
-        let (gain, sd, explained) = random_effect(&columns, &left, 400);
+        let (gain, sd, explained) = random_effect(&along(&left), dot(&left, &left), 400);
         assert!(gain > 30.0 && (sd - 0.05).abs() < 0.015, "{gain} {sd}");
         let rest = (dot(&left, &left) - explained) / 400.0;
         assert!((rest.sqrt() - 1.0).abs() < 0.15, "the noise is left: {rest}");
+    }
+
+    /// Two recordings with a nuisance parameter and two draws each, and two shared parameters: as by dense matrices of all projected columns.
+    #[test]
+    fn directions_of_each_recording_and_dense_matrices_agree() {
+        let wave = |seed: f64, length: usize| -> Vec<f64> { (0..length).map(|i| (seed + 1.7 * i as f64).sin()).collect() };
+        let lengths = [9, 7];
+        let of = |at: usize| Columns {
+            indices: vec![0, 1],
+            shared: vec![wave(0.3 + at as f64, lengths[at]), wave(2.1 * at as f64, lengths[at])],
+            nuisances: vec![vec![1.0; lengths[at]]],
+        };
+        let projector = Projector::new(&[of(0), of(1)], &lengths, 2);
+        let draws = [0, 1].map(|at| [4.0, 5.3].map(|seed| wave(seed * (1.0 + at as f64), lengths[at])));
+        let mut left = wave(0.9, 16);
+        projector.project(&mut left);
+        let found: Vec<Direction> = (0..2).flat_map(|at| directions(&draws[at], (&projector, at), &left)).collect();
+        let squares = dot(&left, &left);
+        let (gain, sd, explained) = random_effect(&found, squares, 16);
+        let stacked = [0, 1].map(|at| {
+            draws[at].clone().map(|draw| {
+                let mut column = [vec![0.0; 9 * at], draw, vec![0.0; 7 * (1 - at)]].concat();
+                projector.project(&mut column);
+                DVector::from_vec(column)
+            })
+        });
+        let columns = DMatrix::from_columns(&stacked.concat());
+        let spread = DMatrix::identity(16, 16) + &columns * columns.transpose() * (sd * sd);
+        let r = DVector::from_vec(left);
+        let factor = spread.cholesky().unwrap();
+        let rest = r.dot(&factor.solve(&r));
+        assert!((squares - explained - rest).abs() < 1e-9 * squares, "{explained} {rest} {squares}");
+        let wanted = 16.0 * (squares / rest).ln() - factor.determinant().ln();
+        assert!(gain > 0.0 && (gain - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "{gain} {wanted}");
     }
 
     #[test]
