@@ -129,7 +129,7 @@ pub fn diagnose_with(
             ));
         }
     }
-    let rollouts = RolloutLog::new(settings.max_rollouts, None, None);
+    let rollouts = RolloutLog::new(settings.max_rollouts, None, None).strict();
     for note in unread_starts(subjects, &usable, &rollouts) {
         progress(Progress::Noticed(&note));
         notes.push(note);

@@ -123,8 +123,7 @@ impl<'a> Problem<'a> {
     fn among(&self, recordings: Vec<PreparedRecording>, may: &dyn Fn(&Effect) -> bool) -> Result<Explanation> {
         let mut catalogue = catalogue(self.subjects);
         catalogue.retain(|entry| may(&entry.of[0]));
-        let new = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings);
-        let context = Context { rollouts: self.rollouts.clone(), ..new };
+        let context = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings, self.rollouts);
         let Preparations { uses, mut notes } = self.preparations.clone();
         if let Some(diagnosis) = too_little(&context, &uses, &notes) {
             return Ok(Explanation { diagnosis, events_open: false, odd: None });

@@ -1,11 +1,12 @@
 //! Memoisation (Michie 1968) of rollouts: equal requests are simulated once, and every other one is counted against an allowance.
 //!
-//! All rollouts of a tuning go through one log. So its count is the number of recordings that were simulated, nothing is simulated
-//! twice, and a caller can [keep](RolloutStore) the answers to go on after an interruption: the fit asks the same again, in the
+//! All rollouts of a tuning or a diagnosis go through one log. So its count is the number of recordings that were simulated, nothing is
+//! simulated twice, and a caller can [keep](RolloutStore) the answers to go on after an interruption: the fit asks the same again, in the
 //! same order, and is answered at once.
 
 use std::collections::HashMap;
 use std::fmt::Debug;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,6 +15,8 @@ use crate::{Error, Origin, Result};
 
 /// Numbers kept in memory at most, 64 MB; beyond, the log begins anew at the next fit.
 const MOST_NUMBERS: usize = 8_000_000;
+/// A diagnosis keeps rollouts of so many numbers at most: between two fits it makes some thousands of them.
+const LARGEST_KEPT: usize = 4_096;
 
 /// One rollout as it is asked for: everything that its answer depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -26,6 +29,13 @@ pub struct Request {
     pub samples: usize,
     /// The bits of all parameters, then of all nuisance parameters.
     pub values: Vec<u64>,
+}
+
+/// A hash of all, the same in every run.
+fn digest<T: Hash>(all: impl Iterator<Item = T>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    all.for_each(|one| one.hash(&mut hasher));
+    hasher.finish()
 }
 
 /// Where answered rollouts are kept beyond the life of a fit.
@@ -60,10 +70,11 @@ pub enum Phase {
     Intervals,
 }
 
-/// The rollouts of one tuning.
+/// The rollouts of one tuning or diagnosis.
 #[derive(Debug, Clone, Default)]
 pub struct RolloutLog {
     shared: Arc<Shared>,
+    answered: Arc<Mutex<HashMap<Request, Vec<f64>>>>,
     variant: usize,
     /// Rollouts of the allowance that are kept for other work.
     reserved: usize,
@@ -76,7 +87,6 @@ struct Shared {
     allowance: Option<usize>,
     store: Option<Arc<dyn RolloutStore>>,
     watch: Option<Arc<dyn Watch>>,
-    answered: Mutex<HashMap<Request, Vec<f64>>>,
     count: AtomicUsize,
     short: std::sync::atomic::AtomicBool,
 }
@@ -98,6 +108,12 @@ impl RolloutLog {
     #[must_use]
     pub(crate) fn reserving(&self, reserved: usize) -> Self {
         Self { reserved, ..self.clone() }
+    }
+
+    /// The same count and allowance for other simulators, whose answers differ.
+    #[must_use]
+    pub(crate) fn apart(&self) -> Self {
+        Self { answered: Arc::default(), ..self.clone() }
     }
 
     /// How many rollouts were made.
@@ -195,6 +211,45 @@ impl RolloutLog {
     ) -> Result<Vec<f64>> {
         let values = parameters.iter().chain(nuisances).map(|value| value.to_bits()).collect();
         let request = Request { variant: self.variant, recording: d, samples, values };
+        self.answer(request, |request| {
+            if let Some(kept) = self.shared.store.as_ref().and_then(|store| store.recall(request)) {
+                return Ok(kept);
+            }
+            let answer = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
+            if let Some(store) = &self.shared.store {
+                store.keep(request, &answer);
+            }
+            Ok(answer)
+        })
+    }
+
+    /// A rollout at the instants `clock` by a simulator of an object. Those of one object differ by their parameters' names alone, and a motion
+    /// without circumstances depends on nothing else, so that it is simulated once. For a [strict](Self::strict) log.
+    ///
+    /// # Errors
+    /// Where the simulator refuses, or where the allowance is spent.
+    pub(crate) fn predict_of(
+        &self,
+        (object, simulator): (usize, &dyn Simulator),
+        recording: &Prepared,
+        (parameters, nuisances): (&[f64], &[f64]),
+        clock: &[f64],
+    ) -> Result<Vec<f64>> {
+        let run = |_: &Request| predict(simulator, recording, parameters, nuisances, clock);
+        let bits = |value: &f64| value.to_bits();
+        let names = digest(simulator.parameters().iter().map(|parameter| &parameter.name));
+        let values = [names, digest(clock.iter().map(bits))].into_iter().chain(parameters.iter().map(bits));
+        let values = values.chain(nuisances.iter().map(bits)).collect();
+        let request = Request { variant: object, recording: 0, samples: clock.len(), values };
+        if recording.circumstances.is_some() || clock.len() * simulator.channels().len() > LARGEST_KEPT {
+            self.spend()?;
+            return run(&request);
+        }
+        self.answer(request, run)
+    }
+
+    /// The answer to a request that was made before, or else what `run` answers, which counts as a rollout.
+    fn answer(&self, request: Request, run: impl FnOnce(&Request) -> Result<Vec<f64>>) -> Result<Vec<f64>> {
         if let Some(known) = self.answered().get(&request) {
             return Ok(known.clone());
         }
@@ -206,22 +261,16 @@ impl RolloutLog {
         if let Some(watch) = &self.shared.watch {
             watch.rollouts(self.count());
         }
-        let kept = self.shared.store.as_ref().and_then(|store| store.recall(&request));
-        let answer = if let Some(kept) = kept {
-            kept
-        } else {
-            let answer = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
-            if let Some(store) = &self.shared.store {
-                store.keep(&request, &answer);
-            }
-            answer
-        };
-        self.answered().insert(request, answer.clone());
+        let answer = run(&request)?;
+        if self.answered().insert(request, answer.clone()).is_some() {
+            // Asked by two threads at a time, it counts once, as it does with one thread.
+            self.shared.count.fetch_sub(1, Ordering::Relaxed);
+        }
         Ok(answer)
     }
 
     fn answered(&self) -> MutexGuard<'_, HashMap<Request, Vec<f64>>> {
-        self.shared.answered.lock().unwrap_or_else(PoisonError::into_inner)
+        self.answered.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -274,5 +323,28 @@ mod tests {
         let again = RolloutLog::new(None, Some(kept.clone()), None);
         kept.0.lock().unwrap().values_mut().for_each(|answer| answer[0] = 7.0);
         assert_eq!((ask(&again, 0, &values)[0], again.count()), (7.0, 1));
+    }
+
+    /// Objects and simulators with other parameters have answers of their own, and so has a log apart; all count together.
+    #[test]
+    fn a_motion_of_an_object_is_simulated_once() {
+        let simulator = Exact::new(Line);
+        let seen = simulator.observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap();
+        let Preparation::Usable(mut prepared) = simulator.prepare(&seen).unwrap() else { panic!("refused") };
+        let log = RolloutLog::new(Some(5), None, None).strict();
+        let values: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+        let ask = |log: &RolloutLog, object: usize, prepared: &Prepared, samples: usize| {
+            log.predict_of((object, &simulator), prepared, (&values, &[0.5]), &seen.clock()[..samples])
+        };
+        let first = ask(&log, 0, &prepared, 10).unwrap();
+        assert_eq!((ask(&log, 0, &prepared, 10).unwrap(), log.count()), (first.clone(), 1));
+        assert_eq!(ask(&log, 0, &prepared, 9).unwrap(), first[..9]);
+        ask(&log, 1, &prepared, 10).unwrap();
+        ask(&log.apart(), 0, &prepared, 10).unwrap();
+        assert_eq!(log.count(), 4);
+        // What drove a motion is not compared.
+        prepared.circumstances = Some(Arc::default());
+        let driven = |_| ask(&log, 0, &prepared, 10).is_ok();
+        assert_eq!([0, 1].map(driven), [true, false], "the allowance is spent");
     }
 }

@@ -120,7 +120,7 @@ fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
 /// What to measure next, as far as the rollouts that are left allow; a quick diagnosis spends none on it.
 fn next(judged: &Judgement, notes: &mut Vec<Note>) -> Result<Option<NextExperiment>> {
     let Context { settings, rollouts, .. } = &judged.context;
-    let rest = if settings.quick { RolloutLog::new(Some(0), None, None) } else { rollouts.remainder() };
+    let rest = if settings.quick { RolloutLog::new(Some(0), None, None).strict() } else { rollouts.remainder() };
     let found = next_within(judged, &Context { rollouts: rest.clone(), ..judged.context.clone() });
     rollouts.add(rest.count());
     if !rest.was_short() {

@@ -88,8 +88,15 @@ impl<'a> Hypothesis<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Where a diagnosis begins: nothing fixed, nothing required, no random effect.
-    pub fn new(subjects: &'a [Subject<'a>], evidence: Evidence, catalogue: Vec<Entry>, settings: &'a Settings) -> Self {
+    /// Where a diagnosis begins: nothing fixed, nothing required, no random effect. Rollouts count in `rollouts`, whose answers are not used:
+    /// they may be of other subjects.
+    pub fn new(
+        subjects: &'a [Subject<'a>],
+        evidence: Evidence,
+        catalogue: Vec<Entry>,
+        settings: &'a Settings,
+        rollouts: &RolloutLog,
+    ) -> Self {
         Self {
             subjects,
             evidence: Arc::new(evidence),
@@ -100,7 +107,7 @@ impl<'a> Context<'a> {
             spared: Arc::new([]),
             required_first: false,
             separable: false,
-            rollouts: RolloutLog::default(),
+            rollouts: rollouts.apart(),
         }
     }
 

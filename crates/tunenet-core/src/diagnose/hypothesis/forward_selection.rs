@@ -141,6 +141,7 @@ pub(in crate::diagnose) fn search<'a>(
     is_adequate: IsAdequate,
     progress: &dyn Fn(Progress),
 ) -> Result<Selection<'a>> {
+    context.rollouts.trim();
     progress(scoring(context, &base));
     let mut alone = score_candidates(context, &base);
     let mut best = match required_model(context, &base)? {

@@ -14,7 +14,7 @@ use crate::estimate::levenberg_marquardt::{Settings, minimise};
 use crate::estimate::problem::{
     DIFFERENCE_STEP, LeastSquares, leading_samples, prior_cost, residuals as residuals_at, robust_scale,
 };
-use crate::simulator::{Parameter, every, predict};
+use crate::simulator::{Parameter, every};
 
 pub(in crate::diagnose) use crate::estimate::Point;
 
@@ -235,12 +235,11 @@ impl Joint<'_> {
     /// Measured − predicted of the recording at `index` in its own unit, over its first `samples`.
     pub fn plain(&self, index: usize, shared: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
         let recording = &self.recordings[index];
-        self.rollouts.spend()?;
         let mut parameters = self.structure.parameters(recording.object, shared);
         let simulator = self.structure.simulator(recording.object);
         let nuisances = recording.with_deviation(&mut parameters, simulator.parameters(), nuisances);
-        let mut values =
-            predict(simulator, &recording.prepared, &parameters, nuisances, &recording.clock()[..samples])?;
+        let (of, values) = ((recording.object, simulator), (parameters.as_slice(), nuisances));
+        let mut values = self.rollouts.predict_of(of, &recording.prepared, values, &recording.clock()[..samples])?;
         values.iter_mut().zip(recording.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
         Ok(values)
     }

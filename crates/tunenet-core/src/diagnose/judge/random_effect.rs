@@ -14,7 +14,7 @@ use crate::diagnose::hypothesis::context::{Context, EventEffects, Hypothesis};
 use crate::diagnose::hypothesis::joint::Which;
 use crate::estimate::information_criterion::p_value;
 use crate::estimate::projection::Projector;
-use crate::simulator::{Parameter, Preparation, Simulator, predict};
+use crate::simulator::{Parameter, Preparation, Simulator};
 use crate::statistics::dot;
 
 /// Step of a draw for its derivative, in the unit of the draws: rad, or one in which they are as small next to 1.
@@ -100,8 +100,8 @@ fn draw_columns(
     let at = |moved: Option<usize>| -> Result<Vec<f64>> {
         let draws = (0..draws).map(|k| if moved == Some(k) { STEP } else { 0.0 });
         let nuisances: Vec<f64> = model.fit.point.nuisances[index].iter().copied().chain(draws).collect();
-        context.rollouts.spend()?;
-        predict(simulator, &recording.prepared, &parameters, &nuisances, recording.clock())
+        let values = (parameters.as_slice(), nuisances.as_slice());
+        context.rollouts.predict_of((recording.object, simulator), &recording.prepared, values, recording.clock())
     };
     let unmoved = at(None)?;
     let column = |k: usize| -> Result<Vec<f64>> {
@@ -155,8 +155,11 @@ struct Direction {
     shared: DVector<f64>,
 }
 
-/// The principal directions of a recording's draws, in which HᵀH is diagonal, by their derivatives H; none where a number is not finite.
+/// The principal directions of a recording's draws, by their derivatives: those of two directions have no product; none where a number is not finite.
 fn directions(columns: &[Vec<f64>], (projector, index): (&Projector, usize), left: &[f64]) -> Vec<Direction> {
+    if columns.is_empty() {
+        return Vec::new();
+    }
     let left = &left[projector.range(index)];
     let columns: Vec<Vec<f64>> = columns.iter().map(|column| projector.without_nuisances(index, column)).collect();
     let size = columns.len();
@@ -239,7 +242,8 @@ mod tests {
     /// Two recordings with a nuisance parameter and two draws each, and two shared parameters: as by dense matrices of all projected columns.
     #[test]
     fn directions_of_each_recording_and_dense_matrices_agree() {
-        let wave = |seed: f64, length: usize| -> Vec<f64> { (0..length).map(|i| (seed + 1.7 * i as f64).sin()).collect() };
+        let wave =
+            |seed: f64, length: usize| -> Vec<f64> { (0..length).map(|i| (seed + 1.7 * i as f64).sin()).collect() };
         let lengths = [9, 7];
         let of = |at: usize| Columns {
             indices: vec![0, 1],
@@ -251,6 +255,7 @@ mod tests {
         let mut left = wave(0.9, 16);
         projector.project(&mut left);
         let found: Vec<Direction> = (0..2).flat_map(|at| directions(&draws[at], (&projector, at), &left)).collect();
+        assert!(directions(&[], (&projector, 0), &left).is_empty(), "a recording without events has no draws");
         let squares = dot(&left, &left);
         let (gain, sd, explained) = random_effect(&found, squares, 16);
         let stacked = [0, 1].map(|at| {

@@ -142,8 +142,7 @@ pub(in crate::diagnose) fn fit_per_recording(
     let training = recordings.iter().enumerate().map(as_object).collect();
     let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
     let catalogue = context.catalogue.iter().map(entry).collect();
-    let rollouts = context.rollouts.clone();
-    let separate = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
+    let separate = Context::new(&subjects, evidence, catalogue, context.settings, &context.rollouts);
     let effects = &model.structure.effects;
     let structure = separate.structure(effects)?;
     let value = |shared: &SharedParameter| {

@@ -127,8 +127,8 @@ fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress))
     training.iter_mut().for_each(PreparedRecording::hold_still);
     let given = given.to_vec().into();
     let evidence = Evidence { training, validation: Vec::new(), noise: NoiseModel::White };
-    let new = Context::new(context.subjects, evidence, catalogue, context.settings);
-    let context = Context { given, rollouts: context.rollouts.clone(), ..new };
+    let new = Context::new(context.subjects, evidence, catalogue, context.settings, &context.rollouts);
+    let context = Context { given, ..new };
     let base = fit_without_effects(&context)?;
     let first = search(&context, base, is_adequate, progress)?;
     let (context, mut found) = search_inflated(&context, &first, progress)?;

@@ -67,8 +67,7 @@ pub(in crate::diagnose) fn segments_alone(
     }
     let mut catalogue = catalogue(&subjects);
     catalogue.retain(|entry| entry.of[0].phase != Phase::Event);
-    let rollouts = context.rollouts.clone();
-    let context = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
+    let context = Context::new(&subjects, evidence, catalogue, context.settings, &context.rollouts);
     let Some((context, found, tests)) = understood(context, progress)? else { return Ok(None) };
     Ok(Some(summarised(&context, &found, tests)))
 }

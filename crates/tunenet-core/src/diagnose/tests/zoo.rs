@@ -6,6 +6,7 @@ use crate::diagnose::evidence::{Evidence, copies};
 use crate::diagnose::hypothesis::catalogue::catalogue;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::{Settings, Subject};
+use crate::estimate::RolloutLog;
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
 use crate::testing::{Exact, Levers, Pendulum, Shuttle};
@@ -43,7 +44,7 @@ pub fn in_context(simulator: &dyn Simulator, seen: &[Observation], held_out: usi
     };
     let mut recordings: Vec<PreparedRecording> = seen.iter().enumerate().map(prepared).collect();
     copies::label(&mut recordings);
-    test(&Context::new(&subjects, Evidence::new(recordings), catalogue(&subjects), &settings));
+    test(&Context::new(&subjects, Evidence::new(recordings), catalogue(&subjects), &settings, &RolloutLog::default()));
 }
 
 /// The same of swings with these coefficients.
@@ -73,7 +74,13 @@ pub fn in_levers(levers: &Levers, truth: &[(&str, f64)], test: impl FnOnce(&Cont
     let Preparation::Usable(prepared) = levers.prepare(&seen).unwrap() else { panic!("usable") };
     let mut recording = PreparedRecording::new(0, 0, false, *prepared);
     let end = hold_end_out(&mut recording).unwrap().unwrap();
-    test(&Context::new(&subjects, Evidence::new(vec![recording, end]), catalogue(&subjects), &settings));
+    test(&Context::new(
+        &subjects,
+        Evidence::new(vec![recording, end]),
+        catalogue(&subjects),
+        &settings,
+        &RolloutLog::default(),
+    ));
 }
 
 /// The position of an effect in the catalogue.
