@@ -17,6 +17,8 @@ const TRUSTED: f64 = 0.3;
 const NEAR_SDS: f64 = 0.5;
 /// The step that is still to go is computed with no more damping than this: a strong one would hide it.
 const LIGHT_DAMPING: f64 = 1e-6;
+/// After derivatives were measured so many times, a fit shows whether it is hopeless.
+const PATIENCE: usize = 2;
 /// Where derivatives are off by more than what a step gains, as next to a kink or where much is left that the model cannot explain,
 /// steps go on for long. So many in a row end the fit, ...
 const SLOW_STEPS: usize = 3;
@@ -52,6 +54,8 @@ pub(crate) struct Settings {
     pub ends_measured: bool,
     /// A step of fewer standard deviations of the estimate than this is not taken, and ends the fit; 0 takes every step.
     pub resolution: f64,
+    /// A fit that costs more than this when its derivatives have to be measured once more ends after the second time.
+    pub hopeless: f64,
     /// Whether derivatives that are given are those at the start, instead of those of a point not far from it.
     pub first_measured: bool,
 }
@@ -71,6 +75,7 @@ impl Settings {
         predicts: false,
         ends_measured: true,
         resolution: 0.0,
+        hopeless: f64::INFINITY,
         first_measured: true,
     };
 
@@ -126,7 +131,7 @@ pub(crate) fn minimise(
         let cost = huber_cost(&residuals, scale) + prior_cost(problem, &point);
         let known = match columns.take() {
             Some(known) => known,
-            None if derived == settings.derivatives => break,
+            None if derived == settings.derivatives || derived >= PATIENCE && cost > settings.hopeless => break,
             None if !problem.affords(column_count(problem)) => {
                 cut_short = true;
                 break;
@@ -358,6 +363,7 @@ mod tests {
     use super::*;
     use crate::estimate::jacobian::tests::Coupled;
     use crate::estimate::problem::tests::Lines;
+    use crate::simulator::Parameter;
 
     fn fitted(lines: &Lines, settings: &Settings) -> (Minimum, usize) {
         let start = lines.start();
@@ -395,6 +401,47 @@ mod tests {
         let (found, accepted) = fitted(&Lines::new(1.0, &[0.0]), &Settings { steps: 0, ..Settings::EXACT });
         assert_eq!((accepted, found.point.parameters[1]), (0, 0.0));
         assert!((found.equations.covariance()[(0, 0)] - 0.2).abs() < 1e-6);
+    }
+
+    /// The residuals of Rosenbrock's function (Rosenbrock 1960), which no secant follows for long.
+    struct Rosenbrock([Parameter; 2]);
+
+    impl LeastSquares for Rosenbrock {
+        fn free(&self) -> &[usize] {
+            &[0, 1]
+        }
+
+        fn recordings(&self) -> &[usize] {
+            &[0]
+        }
+
+        fn parameter(&self, position: usize) -> &Parameter {
+            &self.0[position]
+        }
+
+        fn nuisances(&self, _recording: usize) -> &[Parameter] {
+            &[]
+        }
+
+        fn residual(&self, _recording: usize, parameters: &[f64], _nuisances: &[f64]) -> Result<Vec<f64>> {
+            let [x, y] = [parameters[0], parameters[1]];
+            Ok(vec![10.0 * (y - x * x), 1.0 - x])
+        }
+    }
+
+    /// It needs derivatives many times; what costs more than is hoped for ends when they would be measured for the third time.
+    #[test]
+    fn a_fit_without_hope_ends_early() {
+        let problem = Rosenbrock(["x", "y"].map(|name| Parameter::new(name, "1", 0.0, -3.0, 3.0).unwrap()));
+        let fitted = |hopeless: f64| {
+            let start = Point { parameters: vec![-1.2, 1.0], nuisances: vec![Vec::new()] };
+            let left = residuals_at(&problem, &start).unwrap();
+            let settings = Settings { hopeless, ..Settings::EXACT };
+            minimise(&problem, start, left, None, &settings, &mut |_, _| {}).unwrap()
+        };
+        let (whole, cut) = (fitted(f64::INFINITY), fitted(0.0));
+        assert!((whole.point.parameters[0] - 1.0).abs() < 1e-3, "{:?}", whole.point);
+        assert!(cut.rollouts < whole.rollouts / 2, "{} of {}", cut.rollouts, whole.rollouts);
     }
 
     /// With derivatives that leave out what crosses, a fit ends where one with all of them does, by fewer rollouts, and the last are measured.

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, spread};
 use crate::statistics::{mad_sd, root_mean_square};
 
@@ -15,10 +15,10 @@ const FAR: f64 = 25.0;
 const FAR_IN_SEVERAL: f64 = 5.0;
 /// A fit to the end. Values count little, so that a cost of 1 is worth a tenth in the information criterion at most.
 pub(super) const FINISH: Effort =
-    Effort { steps: 15, derivatives: 6, ends_measured: true, tolerance: 1.0, horizon: 1.0 };
+    Effort { steps: 15, derivatives: 6, ends_measured: true, tolerance: 1.0, horizon: 1.0, ..FULL };
 /// A fit that shows which local minimum a start leads to.
 pub(super) const BRIEF: Effort =
-    Effort { steps: 8, derivatives: 3, ends_measured: false, tolerance: 4.0, horizon: 1.0 };
+    Effort { steps: 8, derivatives: 3, ends_measured: false, tolerance: 4.0, horizon: 1.0, ..FULL };
 
 /// A discrepancy is no normal noise: a few parts of a motion leave much more than the rest. Beyond 1.345 scales, where Huber's estimate keeps
 /// 95 % of its efficiency for normal residuals, they count by their absolute value.

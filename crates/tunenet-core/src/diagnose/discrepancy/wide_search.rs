@@ -8,14 +8,15 @@ use rayon::prelude::*;
 use super::scale::BRIEF;
 use super::selection_step::{DiscrepancyStep, finish};
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Point, spread};
 use crate::diagnose::hypothesis::structure::SharedParameter;
 
 /// Shares of the recordings that are fitted, one after the other.
 const HORIZONS: [f64; 3] = [0.3, 0.5, 0.75];
 /// The first of these fits, which every start gets.
-const FIRST: Effort = Effort { steps: 4, derivatives: 2, ends_measured: false, tolerance: 4.0, horizon: HORIZONS[0] };
+const FIRST: Effort =
+    Effort { steps: 4, derivatives: 2, ends_measured: false, tolerance: 4.0, horizon: HORIZONS[0], ..FULL };
 /// The least value of the grid in typical sizes, the ratio of one to the next, up to the bound, and the most values to a side.
 const LEAST: f64 = 0.3;
 const RATIO: f64 = 1.3;

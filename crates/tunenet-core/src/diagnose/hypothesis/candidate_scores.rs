@@ -4,22 +4,22 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
+use crate::Result;
 use crate::diagnose::hypothesis::context::{COMPARED, Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
 use crate::diagnose::hypothesis::multistart::{best_shapes, first_samples_show_more, fit_from_first_samples};
-use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
-use crate::diagnose::hypothesis::structure::Structure;
+use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible, refusal};
+use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::canonical_correlation::canonical_correlation;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
-use crate::{Error, Result};
 
 /// One step with derivatives that are known already.
 const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
-const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: false, ..FULL };
+const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ..COMPARED };
 /// A few steps from derivatives that were measured at a point nearby.
 const NEAR_STEPS: Effort = Effort { steps: 6, derivatives: 2, ..FEW_STEPS };
 /// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
@@ -41,6 +41,8 @@ const ALIKE: f64 = 0.97;
 /// many times the typical size.
 const KEPT: f64 = 0.9;
 const LARGER: [f64; 2] = [6.0, 20.0];
+/// Of free motions, derivatives of a fit that is compared are measured so many times at most.
+const BENT: usize = 7;
 
 /// One candidate of a selection step.
 pub(in crate::diagnose) struct CandidateFit<'a> {
@@ -85,10 +87,12 @@ struct Scored {
     others: Vec<Vec<f64>>,
 }
 
-/// Every candidate in addition to `model`, best first.
+/// Every candidate in addition to `model`, best first. Those that were fitted `before` in addition to the same effects, with noise of another
+/// size or correlation, are fitted from there, and from nowhere else unless that is no better than one step.
 pub(in crate::diagnose) fn score_candidates<'a>(
     context: &Context<'a>,
     model: &Hypothesis<'a>,
+    before: &[CandidateFit<'a>],
 ) -> Vec<CandidateFit<'a>> {
     let joint = context.joint(&model.structure);
     let (point, residuals) = (&model.fit.point, &model.fit.residuals);
@@ -124,7 +128,9 @@ pub(in crate::diagnose) fn score_candidates<'a>(
             candidate
         })
         .collect();
-    fit_best(context, &mut candidates, |i| Extension { model, base: &base, scored: &scored[i] });
+    let fitted = |entry: usize| before.iter().find(|one| one.entry == entry).and_then(|one| one.model.as_ref());
+    let fitted: Vec<Option<&Hypothesis>> = scored.iter().map(|one| fitted(one.entry)).collect();
+    fit_best(context, &mut candidates, &fitted, |i| Extension { model, base: &base, scored: &scored[i] });
     if first_samples_show_more(context, model) {
         for (candidate, one) in candidates.iter_mut().zip(&scored) {
             if candidate.excluded.is_none() && !context.catalogue[one.entry].shared() && !one.start.is_empty() {
@@ -201,24 +207,6 @@ fn try_score(
     Ok(())
 }
 
-/// Why the simulator refuses the coefficients from `known` on in the first recording, where it refuses them at their typical sizes on every
-/// side of `point` within their bounds: what has no derivative is refused in all recordings.
-fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Error> {
-    let samples = joint.recordings.first()?.clock().len();
-    let mut refused = None;
-    for sign in [1.0, -1.0] {
-        let mut tried = point.clone();
-        for (value, shared) in tried.parameters.iter_mut().zip(&joint.structure.shared).skip(known) {
-            let typical = shared.absent.map_or(0.0, |(_, typical)| typical);
-            *value = (*value + sign * typical).clamp(shared.parameter.min, shared.parameter.max);
-        }
-        if tried.parameters != point.parameters {
-            refused = Some(joint.plain(0, &tried.parameters, &tried.nuisances[0], samples).err()?);
-        }
-    }
-    refused
-}
-
 /// What a candidate's coefficients do to the residuals.
 struct Influence {
     columns: Vec<Columns>,
@@ -281,10 +269,7 @@ impl<'a> Extension<'_, 'a> {
     /// recording.
     fn fit(&self, context: &Context<'a>, effort: Effort) -> Result<Hypothesis<'a>> {
         let structure = self.structure(context)?;
-        let mut parameters = structure.carry(&self.model.structure, &self.model.fit.point.parameters);
-        let known = self.model.structure.shared.len();
-        parameters[known..].copy_from_slice(&self.scored.start);
-        let point = Point { parameters, nuisances: self.model.fit.point.nuisances.clone() };
+        let point = self.with(self.scored.start.iter().copied());
         let first: Vec<Columns> =
             self.base.iter().zip(&self.scored.columns).map(|(base, new)| base.with(new)).collect();
         let fit = context.joint(&structure).fit_from(
@@ -295,13 +280,38 @@ impl<'a> Extension<'_, 'a> {
         )?;
         Ok(Hypothesis { structure, fit })
     }
+
+    /// The values of the hypothesis with these of the candidate's coefficients, whose positions are the last.
+    fn with(&self, coefficients: impl Iterator<Item = f64>) -> Point {
+        let parameters = self.model.fit.point.parameters.iter().copied().chain(coefficients).collect();
+        Point { parameters, nuisances: self.model.fit.point.nuisances.clone() }
+    }
+
+    /// The effort of a fit that is compared: of free motions, it ends where it stays far behind this gain.
+    fn effort(&self, context: &Context, gain: f64) -> Effort {
+        if !context.shows_free_motions() {
+            return COMPARED;
+        }
+        let before = self.model.deviance(self.model.scale());
+        let deviance = context.sum_of_squares(before, gain, self.scored.start.len() as f64);
+        Effort { derivatives: BENT, hopeless: 0.5 * deviance, ..COMPARED }
+    }
+
+    /// The joint fit from `start` with derivatives by the hypothesis's own parameters that are nearly known.
+    fn fit_at(&self, context: &Context<'a>, start: Point, effort: Effort) -> Result<Hypothesis<'a>> {
+        let structure = self.structure(context)?;
+        let known = self.model.structure.shared.len();
+        let fit = context.joint(&structure).fit_extended(start, (self.base, known), effort)?;
+        Ok(Hypothesis { structure, fit })
+    }
 }
 
 /// Fits the best jointly to the end, then others that may still overtake them, and those that do nearly the same as the
-/// best; each from several starts where one does not keep what was predicted.
+/// best; each from several starts where one does not keep what was predicted, or from where it was fitted `before`.
 fn fit_best<'s, 'a: 's>(
     context: &Context<'a>,
     candidates: &mut [CandidateFit<'a>],
+    before: &[Option<&Hypothesis<'a>>],
     extension: impl Fn(usize) -> Extension<'s, 'a> + Sync,
 ) {
     let mut done = vec![false; candidates.len()];
@@ -327,11 +337,24 @@ fn fit_best<'s, 'a: 's>(
         if open.is_empty() || round == ROUNDS {
             break;
         }
-        let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, COMPARED).ok()).collect();
-        for (&i, fitted) in open.iter().zip(fits) {
-            done[i] = true;
+        let compared = |&i: &usize| {
+            let extension = extension(i);
+            let effort = extension.effort(context, if alike(i) { f64::NEG_INFINITY } else { limit });
+            let near = before[i].and_then(|near| extension.fit_at(context, near.fit.point.clone(), effort).ok());
+            let leads =
+                |near: &Hypothesis| gain(context, extension.model, near, extension.model.scale()) >= candidates[i].gain;
+            match near.filter(leads) {
+                Some(near) => (Some(near), true),
+                None => (extension.fit(context, effort).ok(), false),
+            }
+        };
+        let fits: Vec<_> = open.par_iter().map(compared).collect();
+        let mut tried = vec![false; candidates.len()];
+        for (&i, (fitted, was_near)) in open.iter().zip(fits) {
+            (done[i], tried[i]) = (true, was_near);
             take(context, &mut candidates[i], extension(i).model, fitted);
         }
+        open.retain(|&i| !tried[i]);
         let shaped: Vec<usize> = open.iter().copied().filter(|&i| !extension(i).scored.others.is_empty()).collect();
         let fits: Vec<_> = shaped.par_iter().map(|&i| fit_from_shapes(context, &candidates[i], extension(i))).collect();
         for (&i, fitted) in shaped.iter().zip(fits) {
@@ -341,7 +364,13 @@ fn fit_best<'s, 'a: 's>(
         let limit =
             leader(candidates).map_or(0.0, |b| candidates[b].gain - BEHIND.max(BEHIND_SHARE * candidates[b].gain));
         let expected = |i: &usize| extension(*i).scored.expected;
-        open.retain(|i| expected(i) > limit && candidates[*i].gain <= KEPT * expected(i));
+        // Of free motions, what stays at its bound is what larger coefficients would take away.
+        let moved = |i: &usize| {
+            let known = extension(*i).model.structure.shared.len();
+            let fitted = candidates[*i].model.as_ref().map(|model| &model.fit.point.parameters[known..]);
+            !context.shows_free_motions() || fitted.is_some_and(|fitted| fitted != extension(*i).scored.start)
+        };
+        open.retain(|i| expected(i) > limit && candidates[*i].gain <= KEPT * expected(i) && moved(i));
         open.sort_by(|a, b| expected(b).total_cmp(&expected(a)));
         open.truncate(if context.shows_free_motions() { 1 } else { FIRST });
         let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &candidates[i], extension(i))).collect();
@@ -383,21 +412,24 @@ fn fit_from_shapes<'a>(
     extension: Extension<'_, 'a>,
 ) -> Option<Hypothesis<'a>> {
     let model = extension.model;
-    let known = model.structure.shared.len();
     let mut best: Option<(f64, Hypothesis)> = None;
     for other in &extension.scored.others {
         let structure = extension.structure(context).ok()?;
-        let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
-        parameters[known..].copy_from_slice(other);
-        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
-        let Ok(fit) = context.joint(&structure).fit(start, FEW_STEPS) else { continue };
-        let tried = Hypothesis { structure, fit };
+        let start = extension.with(other.iter().copied());
+        let tried = if context.shows_free_motions() {
+            extension.fit_at(context, start, NEAR_STEPS)
+        } else {
+            context.joint(&structure).fit(start, FEW_STEPS).map(|fit| Hypothesis { structure, fit })
+        };
+        let Ok(tried) = tried else { continue };
         let reached = gain(context, model, &tried, model.scale());
         if best.as_ref().is_none_or(|(most, _)| reached > *most) {
             best = Some((reached, tried));
         }
     }
-    let (_, tried) = best?;
+    let hopeful =
+        |(reached, _): &(f64, Hypothesis)| !context.shows_free_motions() || *reached > candidate.gain - BEHIND;
+    let (_, tried) = best.filter(hopeful)?;
     let fit = context.joint(&tried.structure).fit(tried.fit.point, COMPARED).ok()?;
     let found = Hypothesis { structure: tried.structure, fit };
     (gain(context, model, &found, model.scale()) > candidate.gain).then_some(found)
@@ -410,29 +442,21 @@ fn fit_from_larger<'a>(
     candidate: &CandidateFit<'a>,
     extension: Extension<'_, 'a>,
 ) -> Option<Hypothesis<'a>> {
-    let model = extension.model;
-    let near = candidate.model.as_ref()?;
+    let (model, near) = (extension.model, candidate.model.as_ref()?);
     let mut best: Option<Hypothesis> = None;
-    let known = model.structure.shared.len();
     for size in LARGER {
-        let structure = extension.structure(context).ok()?;
-        let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
-        for (column, shared) in structure.shared.iter().enumerate().skip(known) {
+        let larger = |((shared, value), start): ((&SharedParameter, &f64), &f64)| {
             if shared.shape {
-                parameters[column] = extension.scored.start[column - known];
-                continue;
+                return *start;
             }
             let (absent, typical) = shared.absent.unwrap_or((0.0, 0.0));
-            let way = near.fit.point.parameters[column] - absent;
-            let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
-            parameters[column] = value.clamp(shared.parameter.min, shared.parameter.max);
-        }
-        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
-        // A few steps show whether this local minimum is a better one.
-        let Ok(tried) = context.joint(&structure).fit_extended(start, (extension.base, known), NEAR_STEPS) else {
-            continue;
+            let side = if *value < absent { -1.0 } else { 1.0 };
+            (absent + size * typical * side).clamp(shared.parameter.min, shared.parameter.max)
         };
-        let tried = Hypothesis { structure, fit: tried };
+        let fitted = near.structure.shared.iter().zip(&near.fit.point.parameters).skip(model.structure.shared.len());
+        let start = extension.with(fitted.zip(&extension.scored.start).map(larger));
+        // A few steps show whether this local minimum is a better one.
+        let Ok(tried) = extension.fit_at(context, start, NEAR_STEPS) else { continue };
         let reached = best.as_ref().map_or(candidate.gain, |best| gain(context, model, best, model.scale()));
         if gain(context, model, &tried, model.scale()) > reached {
             let fit = context.joint(&tried.structure).fit(tried.fit.point, COMPARED).ok()?;
@@ -451,15 +475,14 @@ pub(in crate::diagnose) fn gain(context: &Context<'_>, before: &Hypothesis, afte
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
-
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
 
     #[test]
     fn the_missing_effect_leads_and_what_changes_nothing_new_is_excluded() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let candidates = score_candidates(context, &base);
+            let candidates = score_candidates(context, &base, &[]);
             assert_eq!(context.catalogue[candidates[0].entry].name, "viscous_friction");
             assert!(candidates[0].gain > 100.0 && candidates[0].model.is_some(), "{}", candidates[0].gain);
             // Another unit of the angle is another start.

@@ -90,7 +90,7 @@ mod tests {
     fn others_come_nearest_first_and_without_the_effect_itself() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let candidates = score_candidates(context, &base);
+            let candidates = score_candidates(context, &base, &[]);
             let best = candidates[0].model.as_ref().unwrap();
             let others = others(context, &base, best, candidates[0].entry, &candidates);
             assert!(others.iter().all(|(other, gap)| *other != candidates[0].entry && *gap > 6.0), "{others:?}");

@@ -18,7 +18,7 @@ use crate::estimate::information_criterion::{bic_gain, likelihood_gain};
 
 /// A full fit.
 pub(in crate::diagnose) const FULL: Effort =
-    Effort { steps: 40, derivatives: 12, ends_measured: true, tolerance: 0.02, horizon: 1.0 };
+    Effort { steps: 40, derivatives: 12, ends_measured: true, tolerance: 0.02, horizon: 1.0, hopeless: f64::INFINITY };
 /// A fit of a hypothesis that is only compared: it ends as soon as its steps gain what its derivatives predict. Its covariance is rough.
 pub(in crate::diagnose) const COMPARED: Effort = Effort { ends_measured: false, ..FULL };
 /// A change of the noise's lag-1 correlation below this is left.
@@ -169,6 +169,19 @@ impl<'a> Context<'a> {
         bic_gain(self.likelihood(before, after), self.effective_fraction() * self.count() as f64, coefficients)
     }
 
+    /// The sum of squares at which `coefficients` more numbers gain this much over `before` by [`criterion`](Self::criterion).
+    pub fn sum_of_squares(&self, before: f64, gain: f64, coefficients: f64) -> f64 {
+        let count = self.effective_fraction() * self.count() as f64;
+        before * (-(gain - bic_gain(0.0, count, coefficients)) / count).exp()
+    }
+
+    /// The same hypothesis with the evidence of this context, at the same values.
+    pub fn evaluated(&self, model: &Hypothesis) -> Result<Hypothesis<'a>> {
+        let structure = self.structure(&model.structure.effects)?;
+        let fit = self.joint(&structure).evaluate(model.fit.point.clone())?;
+        Ok(Hypothesis { structure, fit })
+    }
+
     /// A hypothesis with these effects, fitted from the values of `near`.
     pub fn fit_near(&self, effects: &[usize], near: &Hypothesis) -> Result<Hypothesis<'a>> {
         self.fit_near_with(effects, near, FULL)
@@ -239,6 +252,14 @@ mod tests {
             in_swings(&[], 2, 0, |two| {
                 assert_eq!(one.margin(), SINGLE_MOTION_MARGIN * two.margin());
             });
+        });
+    }
+
+    #[test]
+    fn a_sum_of_squares_gains_what_it_is_meant_to() {
+        in_swings(&[], 2, 0, |context| {
+            let after = context.sum_of_squares(900.0, 35.0, 2.0);
+            assert!((context.criterion(900.0, after, 2.0) - 35.0).abs() < 1e-9, "{after}");
         });
     }
 

@@ -18,6 +18,9 @@ const MOST_SWAPS: usize = 6;
 /// outliers and of autocorrelated noise.
 const ONE_OF_SEVERAL: f64 = 2.0;
 
+/// What gains a smaller share than this of what effects do is the same simulation without them.
+const SAME: f64 = 0.01;
+
 /// If the lag-1 correlation of the noise falls by this much, a search finds effects that it did not find before.
 const HIDDEN: f64 = 0.3;
 
@@ -65,7 +68,7 @@ impl<'a> SelectionStep<'a> {
             return Ok(&known[position]);
         }
         let model = context.fit_near(effects, near)?;
-        let candidates = score_candidates(context, &model);
+        let candidates = score_candidates(context, &model, &[]);
         known.push(Self { model, candidates });
         Ok(&known[known.len() - 1])
     }
@@ -122,9 +125,27 @@ pub(in crate::diagnose) fn search_again<'a>(
             return Ok((context, found));
         }
     }
-    let base = learned.fit_near(&[], &found.base)?;
-    let found = search(&learned, base, is_adequate, progress)?;
+    let base = base_again(&learned, &found.base, best)?;
+    let before = if context.shows_free_motions() && hidden < HIDDEN { found.alone.as_slice() } else { &[] };
+    let found = search_near(&learned, base, before, is_adequate, progress)?;
     Ok((learned, found))
+}
+
+/// The simulation without any effect for a second search. Of free motions it stays where it was, and the rollouts about it are known,
+/// unless another fit gains more than a small share of what the effects of `best` do: candidates are compared with one another.
+pub(in crate::diagnose) fn base_again<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    best: &Hypothesis<'a>,
+) -> Result<Hypothesis<'a>> {
+    let moved = context.fit_near(&[], base)?;
+    if !context.shows_free_motions() {
+        return Ok(moved);
+    }
+    let (kept, best) = (context.evaluated(base)?, context.evaluated(best)?);
+    let scale = best.scale();
+    let gained = |other: &Hypothesis| gain(context, &kept, other, scale);
+    Ok(if gained(&moved) < SAME * gained(&best) { kept } else { moved })
 }
 
 /// Candidates are scored in addition to `model`.
@@ -141,9 +162,20 @@ pub(in crate::diagnose) fn search<'a>(
     is_adequate: IsAdequate,
     progress: &dyn Fn(Progress),
 ) -> Result<Selection<'a>> {
+    search_near(context, base, &[], is_adequate, progress)
+}
+
+/// The same, where candidates alone were fitted `before` with noise of another size.
+pub(in crate::diagnose) fn search_near<'a>(
+    context: &Context<'a>,
+    base: Hypothesis<'a>,
+    before: &[CandidateFit<'a>],
+    is_adequate: IsAdequate,
+    progress: &dyn Fn(Progress),
+) -> Result<Selection<'a>> {
     context.rollouts.trim();
     progress(scoring(context, &base));
-    let mut alone = score_candidates(context, &base);
+    let mut alone = score_candidates(context, &base, before);
     let mut best = match required_model(context, &base)? {
         Some(expected) => Some(expected),
         None => accepted(context, &base, &alone)?,
@@ -151,7 +183,7 @@ pub(in crate::diagnose) fn search<'a>(
     let mut steps = Vec::new();
     while let Some(model) = best.take_if(|model| model.structure.effects.len() < most_effects(context, model)) {
         progress(scoring(context, &model));
-        let candidates = score_candidates(context, &model);
+        let candidates = score_candidates(context, &model, &[]);
         let Some(more) = accepted(context, &model, &candidates)? else {
             best = Some(model);
             break;
@@ -368,6 +400,7 @@ pub(in crate::diagnose) fn add_exact_twins(context: &Context, found: &mut Select
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::evidence::Evidence;
     use crate::diagnose::hypothesis::catalogue::Entry;
     use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, REST, entry, in_swings, names};
@@ -409,7 +442,7 @@ mod tests {
     fn the_best_effect_alone_takes_the_place_of_those_that_cannot_be_judged() {
         in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let alone = score_candidates(context, &base);
+            let alone = score_candidates(context, &base, &[]);
             let Revision::Replaced(Some(best)) = best_alone(context, &alone).unwrap() else { panic!("none") };
             assert_eq!(names(context, &best.structure.effects), ["viscous_friction"]);
             assert!(matches!(best_alone(context, &[]).unwrap(), Revision::Replaced(None)));
@@ -419,6 +452,17 @@ mod tests {
     #[test]
     fn a_single_motion_shows_one_effect_at_most() {
         assert!(found(&[(FRICTION, 0.2), (REST, 0.05)], 1).len() <= 1);
+    }
+
+    #[test]
+    fn a_second_search_begins_where_the_first_did() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let best = context.fit_near(&[entry(context, "viscous_friction")], &base).unwrap();
+            let learned = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.1));
+            let again = base_again(&learned, &base, &best).unwrap();
+            assert_eq!(again.fit.point.parameters, base.fit.point.parameters);
+        });
     }
 
     /// The context in which the rest angle is a twin of friction on this side.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::structure::Structure;
 use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
+use crate::diagnose::hypothesis::context::FULL;
 use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::{Columns, grouped, grouped_jacobian, jacobian};
@@ -54,6 +55,8 @@ pub(in crate::diagnose) struct Effort {
     pub tolerance: f64,
     /// The share of each recording that is fitted.
     pub horizon: f64,
+    /// A fit that costs more than this after some steps ends.
+    pub hopeless: f64,
 }
 
 /// Derivatives that are known before a fit.
@@ -326,12 +329,7 @@ impl Joint<'_> {
     /// The outcome at `point`, without a step.
     pub fn evaluate(&self, point: Point) -> Result<Outcome> {
         let residuals = self.residuals(&point, 1.0)?;
-        self.fit_from(
-            point,
-            residuals,
-            Effort { steps: 0, derivatives: 1, ends_measured: true, tolerance: 0.0, horizon: 1.0 },
-            None,
-        )
+        self.fit_from(point, residuals, Effort { steps: 0, derivatives: 1, tolerance: 0.0, ..FULL }, None)
     }
 
     /// Moves the start of the recording at `index`, if the simulator refuses it (a body inside a surface), to the nearest one
@@ -378,10 +376,10 @@ impl Joint<'_> {
         effort: Effort,
         known: Option<Known>,
     ) -> Result<(Outcome, Option<Vec<Columns>>)> {
-        let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
+        let Effort { steps, derivatives, ends_measured, tolerance, hopeless, .. } = effort;
         // Derivatives of several parameters by one rollout are those of a point not far away.
         let first_measured = known.is_none_or(|known| known.at_start && !self.separable);
-        let settings = Settings { steps, derivatives, tolerance, ends_measured, first_measured, ..SETTINGS };
+        let settings = Settings { steps, derivatives, tolerance, ends_measured, hopeless, first_measured, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {
             let residuals = part.recordings.iter().map(|&d| residuals[d].clone()).collect();

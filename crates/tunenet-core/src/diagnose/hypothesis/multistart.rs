@@ -11,7 +11,7 @@ use crate::statistics::dot;
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
-const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 1.0 };
+const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 1.0, ..FULL };
 const MOST_STARTS: usize = 3;
 /// Starts that lead so near to each other, as a share of the bounds, lead to the same.
 const SAME: f64 = 1e-3;
@@ -34,6 +34,8 @@ const SHAPE_STARTS: usize = 3;
 /// First and last step of the search from there, as a share of the bounds.
 const FIRST_STEP: f64 = 0.1;
 const LAST_STEP: f64 = 0.02;
+/// What explains less than so many mean squares of a value does so by chance, and is not improved.
+const CHANCE: f64 = 12.0;
 /// Bounds of a shape whose ratio is larger are covered evenly in its logarithm.
 const WIDE: f64 = 10.0;
 
@@ -280,8 +282,9 @@ pub(in crate::diagnose) fn best_shapes(
         .collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.truncate(SHAPE_STARTS);
+    let chance = CHANCE * dot(left, left) / left.len().max(1) as f64;
     for (most, shares) in &mut all {
-        let mut step = FIRST_STEP;
+        let mut step = if *most > chance { FIRST_STEP } else { 0.0 };
         while step >= LAST_STEP {
             let moves = (0..shares.len()).flat_map(|k| [(k, step), (k, -step)]);
             let tried = moves.map(|(k, by)| {

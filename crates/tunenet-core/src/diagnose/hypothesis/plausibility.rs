@@ -4,10 +4,11 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::joint::{Joint, Point};
 use crate::observation::three_digits;
 use crate::simulator::Text;
+use crate::{Error, Result};
 
 /// Why a candidate cannot be the answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -175,6 +176,24 @@ pub(in crate::diagnose) fn holds_only_required(context: &Context<'_>, model: &Hy
 /// Whether the effect is part of every hypothesis, whatever it gains.
 pub(in crate::diagnose) fn needs_no_evidence(context: &Context<'_>, entry: usize) -> bool {
     context.required_first && is_required(context, entry)
+}
+
+/// Why the simulator refuses the coefficients from `known` on in the first recording, where it refuses them at their typical sizes on every
+/// side of `point` within their bounds: what has no derivative is refused in all recordings.
+pub(super) fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Error> {
+    let samples = joint.recordings.first()?.clock().len();
+    let mut refused = None;
+    for sign in [1.0, -1.0] {
+        let mut tried = point.clone();
+        for (value, shared) in tried.parameters.iter_mut().zip(&joint.structure.shared).skip(known) {
+            let typical = shared.absent.map_or(0.0, |(_, typical)| typical);
+            *value = (*value + sign * typical).clamp(shared.parameter.min, shared.parameter.max);
+        }
+        if tried.parameters != point.parameters {
+            refused = Some(joint.plain(0, &tried.parameters, &tried.nuisances[0], samples).err()?);
+        }
+    }
+    refused
 }
 
 #[cfg(test)]

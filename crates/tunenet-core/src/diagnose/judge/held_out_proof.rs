@@ -6,13 +6,13 @@ use std::sync::Arc;
 use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::rmse;
-use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{COMPARED, Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Outcome, Point, spread};
 use crate::estimate::GROWING_SHARES;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::problem::leading_samples;
 
-const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 0.45 };
+const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 0.45, ..FULL };
 /// The initial state of a held-out recording that leaves more than so many times what fitted ones do is fitted over growing shares of it.
 const MUCH: f64 = 3.0;
 /// One that was found from where another model put it, and leaves more than so many times that, is looked for again from its first guess.
@@ -29,6 +29,8 @@ pub(in crate::diagnose) struct HeldOut {
     pub forecast: f64,
     /// Weighted residuals, shape `[recording][sample · channel]`.
     pub residuals: Vec<Vec<f64>>,
+    /// What is left of each in units of the noise, whitened, shape `[recording]`.
+    pub left: Vec<f64>,
     /// Their nuisance parameters.
     pub nuisances: Vec<Vec<f64>>,
     /// Derivatives of the white residuals by these, of a point not far away.
@@ -57,8 +59,8 @@ fn judged(context: &Context, model: &Hypothesis, near: Option<&HeldOut>) -> Resu
     let structure = context.structure(&model.structure.effects)?.frozen(&model.fit.point.parameters);
     let joint = Joint { structure: &structure, recordings, separable: false, rollouts: &context.rollouts };
     let leaves = spread(&model.fit.residuals).max(1.0);
-    let off = |outcome: &Outcome, times: f64| {
-        outcome.residuals.iter().any(|one| spread(std::slice::from_ref(one)) > times * leaves)
+    let left = |outcome: &Outcome| -> Vec<f64> {
+        outcome.residuals.iter().map(|one| spread(std::slice::from_ref(one))).collect()
     };
     let guess =
         Point { parameters: Vec::new(), nuisances: recordings.iter().map(|r| r.prepared.nuisance_values()).collect() };
@@ -66,14 +68,20 @@ fn judged(context: &Context, model: &Hypothesis, near: Option<&HeldOut>) -> Resu
         Some(near) if !context.evidence.driven() => from_near(&joint, near),
         _ => None,
     };
-    let (mut whole, columns) = match close.filter(|(whole, _)| !off(whole, ASTRAY)) {
-        Some(close) => close,
-        None => fitted(&joint, joint.fit(guess.clone(), EARLY)?.point, None)?,
+    let is_astray = |whole: &Outcome| {
+        // What leaves much of the recordings that were fitted may leave as much of these as the other model does.
+        let limit = |i: usize| near.filter(|_| leaves > MUCH).map_or(leaves, |near| leaves.max(near.left[i]));
+        left(whole).iter().enumerate().any(|(i, left)| *left > ASTRAY * limit(i))
     };
-    if !context.evidence.driven() && off(&whole, MUCH) {
-        whole = grown(&joint, guess, whole);
-    }
-    let whole = whole.point;
+    // The other model's were found from the first samples on, where that was necessary.
+    let (whole, columns) = if let Some(close) = close.filter(|(whole, _)| !is_astray(whole)) {
+        close
+    } else {
+        let (whole, columns) = fitted(&joint, joint.fit(guess.clone(), EARLY)?.point, None)?;
+        let lost = !context.evidence.driven() && left(&whole).iter().any(|left| *left > MUCH * leaves);
+        (if lost { grown(&joint, guess, whole) } else { whole }, columns)
+    };
+    let (left, whole) = (left(&whole), whole.point);
     let plain = joint.plain_residuals(&whole)?;
     let each = recordings.iter().zip(&whole.nuisances);
     let centred: Vec<PreparedRecording> = each.map(|(recording, found)| centred(recording, found)).collect();
@@ -88,7 +96,7 @@ fn judged(context: &Context, model: &Hypothesis, near: Option<&HeldOut>) -> Resu
         }
     }
     let (rmse, forecast) = (rmse(recordings, &plain, 0.0), rmse(recordings, &ahead, KNOWN));
-    Ok(Some(HeldOut { rmse, forecast, residuals, nuisances: whole.nuisances, columns: columns.into() }))
+    Ok(Some(HeldOut { rmse, forecast, residuals, left, nuisances: whole.nuisances, columns: columns.into() }))
 }
 
 /// The fit from `start`, with derivatives of a point not far from where it ends.
