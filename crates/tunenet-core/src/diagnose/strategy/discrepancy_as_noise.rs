@@ -6,7 +6,7 @@ use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::hypothesis::forward_selection::{Selection, base_again, search, search_near};
 use crate::diagnose::hypothesis::plausibility::is_required;
 use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate, validate_near};
@@ -72,7 +72,11 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     let held_out_floor = noise_floor(&context.evidence.validation);
     let context =
         context.with_evidence(with_discrepancy_as_noise(context, first.best.as_ref().unwrap_or(&first.base))?);
-    let base = context.fit_near_with(&[], &first.base, COMPARED)?;
+    let base = match &first.best {
+        Some(best) if context.shows_free_motions() => base_again(&context, &first.base, best)?,
+        _ => context.fit_near_with(&[], &first.base, COMPARED)?,
+    };
+    let fitted = &first.alone;
     let refitted = |best: &Hypothesis| context.fit_near_with(&best.structure.effects, best, COMPARED);
     let first = first.best.as_ref().map(refitted).transpose()?;
     if let Some(best) = &first
@@ -88,14 +92,47 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     {
         return Ok(Second { context, found: Selection::tuned(base), before: None, tests: Vec::new() });
     }
-    let mut found = search(&context, base, is_adequate, progress)?;
-    let after = match (&found.best, &before) {
-        (Some(best), Some(before)) => validate_near(&context, best, before)?,
-        _ => None,
-    };
+    let before_inflation = if context.shows_free_motions() { fitted.as_slice() } else { &[] };
+    let mut found = search_near(&context, base, before_inflation, is_adequate, progress)?;
+    let after = reached(&context, &found, before.as_ref())?;
     if let (Some(before), Some(after)) = (&before, &after) {
         admit_equals(&context, &mut found, before, after.rmse)?;
     }
+    tested(context, found, (before, after), (floor, held_out_floor))
+}
+
+/// The effects that were found in a sample, fitted to all recordings with what they leave taken for noise, and tested.
+pub(super) fn kept_with_inflated_noise<'a>(
+    context: &Context<'a>,
+    found: Selection<'a>,
+    floor: f64,
+) -> Result<Second<'a>> {
+    let held_out_floor = noise_floor(&context.evidence.validation);
+    let last = found.best.as_ref().unwrap_or(&found.base);
+    let context = context.with_evidence(with_discrepancy_as_noise(context, last)?);
+    let refitted = |model: &Hypothesis| context.fit_near(&model.structure.effects, model);
+    let (base, best) = (refitted(&found.base)?, found.best.as_ref().map(refitted).transpose()?);
+    let found = Selection { base, best, ..found };
+    let before = validate(&context, &found.base)?;
+    let after = reached(&context, &found, before.as_ref())?;
+    tested(context, found, (before, after), (floor, held_out_floor))
+}
+
+/// What the effects found reach on held-out recordings.
+fn reached(context: &Context, found: &Selection, before: Option<&HeldOut>) -> Result<Option<HeldOut>> {
+    match (&found.best, before) {
+        (Some(best), Some(before)) => validate_near(context, best, before),
+        _ => Ok(None),
+    }
+}
+
+/// The tests of what was found; `before` and `after` are held-out recordings without the effects and with them.
+fn tested<'a>(
+    context: Context<'a>,
+    found: Selection<'a>,
+    (before, after): (Option<HeldOut>, Option<HeldOut>),
+    (floor, held_out_floor): (f64, f64),
+) -> Result<Second<'a>> {
     let control = negative_control(&context, &found, before.as_ref())?.map(|c| c.1);
     let tests =
         practical_tests(&context, &found, (floor, held_out_floor), before.as_ref().zip(after.as_ref()), control)?;

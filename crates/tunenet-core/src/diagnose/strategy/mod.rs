@@ -19,10 +19,11 @@ use crate::diagnose::discrepancy::{
 };
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::sample::Sample;
-use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
+use crate::diagnose::hypothesis::confusable_set::exact_twins;
 use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, add_exact_twins};
-use crate::diagnose::hypothesis::joint::{Outcome, Point};
+use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
 use crate::diagnose::judge::adequacy::{
     RESOLVED, ResidualDiagnostics, is_adequate, is_below_steps, residual_diagnostics,
@@ -32,6 +33,8 @@ use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
 use crate::diagnose::{Progress, Test};
 use crate::simulator::Text;
+use discrepancy_as_noise::kept_with_inflated_noise;
+use per_event_effect::with_draws_of_all;
 use per_recording_fits::PerRecordingFits;
 pub(in crate::diagnose) use random_parameter::RandomParameter;
 use sign_ambiguous::fix_sign_ambiguous;
@@ -159,13 +162,12 @@ impl<'a> Attempt<'a> {
             && self.odd.is_none()
     }
 
-    /// Whether it explains whole recordings by effects alone, or not at all.
+    /// Whether it explains whole recordings by effects that are the same in all of them, or not at all.
     fn is_plain(&self) -> bool {
         let context = &self.context;
         let is_free = !context.required_first && context.given.is_empty() && context.spared.is_empty();
         let is_alike = self.random_parameter.is_none() && self.per_recording.is_none() && self.odd.is_none();
-        let is_whole = self.scope == Scope::Whole && self.practical.is_none();
-        is_whole && is_alike && is_free && context.event_effects.is_none()
+        self.scope == Scope::Whole && is_alike && is_free
     }
 
     /// What wrong effects reach on held-out recordings.
@@ -223,7 +225,7 @@ fn refined<'a>(mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<
 }
 
 /// What is missing from many recordings as a sample of them shows it, fitted to all. `None` where the simulation as it is explains them,
-/// where the sample leaves a choice that all may not leave, and where effects explain the sample and not all, or the other way round.
+/// where effects explain the sample and not all, or the other way round, and where another effect explains all better.
 fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Attempt<'a>>> {
     let context = &attempt.context;
     let Some(Sample { evidence, fitted }) = context.evidence.sample() else { return Ok(None) };
@@ -235,37 +237,86 @@ fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result
     let nuisances = fitted.iter().map(|&i| of_all.point.nuisances[i].clone()).collect();
     let base = few.fit_near(&[], &at(&few, (&[], of_all), nuisances)?)?;
     let sampled = refined(Attempt::started(few, base), progress)?;
-    let found = &sampled.found;
-    let close = |(_, gap): &(usize, f64)| *gap < context.settings.margin;
-    let is_explained = sampled.residuals.passed();
-    if !sampled.is_plain() || is_explained && found.selected.iter().any(|effect| effect.others.iter().any(close)) {
+    if !sampled.is_plain() {
         return Ok(None);
     }
-    let mut all = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(sampled.lag1));
-    let mut model = at(&all, (&sampled.last().structure.effects, &sampled.last().fit), of_all.point.nuisances.clone())?;
-    model = all.fit_near_with(&model.structure.effects, &model, COMPARED)?;
+    let before = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(sampled.lag1));
+    let (mut all, last) = (before.clone(), sampled.last());
+    let mut model = at(&all, (&last.structure.effects, &last.fit), of_all.point.nuisances.clone())?;
+    let is_explained = sampled.residuals.passed();
+    let effort = if is_explained { COMPARED } else { ROUGH };
+    model = all.fit_near_with(&last.structure.effects, &model, effort)?;
+    if sampled.context.event_effects.is_some() {
+        let Some((drawn, near)) = with_draws_of_all(&all, &model)? else { return Ok(None) };
+        model = drawn.fit_near_with(&last.structure.effects, &near, effort)?;
+        all = drawn;
+    }
     if let Some(evidence) = all.learn_noise(&model)? {
         all = all.with_evidence(evidence);
-        model = all.fit_near_with(&model.structure.effects, &model, COMPARED)?;
+        model = all.fit_near_with(&last.structure.effects, &model, effort)?;
     }
     if is_adequate(&all, &model) != is_explained {
         return Ok(None);
     }
     if is_explained {
-        model = all.fit_near(&model.structure.effects, &model)?;
+        model = all.fit_near(&last.structure.effects, &model)?;
     }
+    let Some(selected) = selected_in_all(&all, &model, &sampled)? else { return Ok(None) };
     // What was compared in the sample gains in proportion to the number of values.
     let times = all.count() as f64 / sampled.context.count() as f64;
-    let alone = found.alone.iter().map(|one| CandidateFit {
+    let alone = sampled.found.alone.iter().map(|one| CandidateFit {
         excluded: one.excluded.clone(),
         ..CandidateFit::unfitted(one.entry, one.gain * times)
     });
-    let selected = found.selected.iter().map(|one| SelectedEffect { gain: one.gain * times, ..one.clone() });
-    let (alone, selected) = (alone.collect(), selected.collect());
-    let base = all.fit_near(&[], &attempt.found.base)?;
-    let best = found.best.is_some().then_some(model);
-    let tested = Attempt::tested(all, Selection { base, alone, best, selected }, Scope::Whole, None)?;
-    Ok(Some(Attempt { control: sampled.control, ..tested }))
+    let base = before.fit_near(&[], &attempt.found.base)?;
+    let best = sampled.found.best.is_some().then_some(model);
+    let found = Selection { base, alone: alone.collect(), best, selected };
+    if sampled.practical.is_some() {
+        let tested = Attempt::tested(all, Selection::tuned(found.base.again(&before)?), Scope::Whole, None)?;
+        let second = kept_with_inflated_noise(&before, found, tested.floor)?;
+        return Ok(second.passes().then(|| tested.replaced(second)));
+    }
+    let of_base = if sampled.context.event_effects.is_some() { validate(&before, &found.base)? } else { None };
+    let tested = Attempt::tested(all, found, Scope::Whole, None)?;
+    Ok(Some(Attempt { before: of_base.or(tested.before), control: sampled.control, ..tested }))
+}
+
+/// The effects of a sample in all recordings, where `model` has them: what could be in their place is fitted to all. `None` where something
+/// else is better there.
+fn selected_in_all<'a>(
+    context: &Context<'a>,
+    model: &Hypothesis<'a>,
+    sampled: &Attempt<'a>,
+) -> Result<Option<Vec<SelectedEffect>>> {
+    let times = context.count() as f64 / sampled.context.count() as f64;
+    let mut all = sampled.found.selected.clone();
+    for one in &mut all {
+        one.gain *= times;
+        let Some(place) = model.structure.effects.iter().position(|&entry| entry == one.entry) else { continue };
+        let twins = exact_twins(context, model, one.entry);
+        // Where something is left, the distance is that in the sample, which is less than that in all.
+        let is_open = |(other, gap): &(usize, f64)| {
+            let is_close = *gap < context.settings.margin && sampled.residuals.passed();
+            is_close && twins.iter().all(|(twin, _)| twin != other)
+        };
+        for (other, gap) in one.others.iter_mut().filter(|other| is_open(other)) {
+            let mut effects = model.structure.effects.clone();
+            effects[place] = *other;
+            // From where the sample has it, if alone; a fit may end in another local minimum, and then the sample's distance counts.
+            let alone = sampled.found.alone.iter().find(|one| one.entry == *other).and_then(|one| one.model.as_ref());
+            let near = match alone.filter(|alone| alone.structure.effects == effects) {
+                Some(alone) => &at(context, (&effects, &alone.fit), model.fit.point.nuisances.clone())?,
+                None => model,
+            };
+            let rival = context.fit_near_with(&effects, near, ROUGH)?;
+            *gap = gain(context, &rival, model, model.scale()).min(*gap * times);
+            if *gap < -1.0 {
+                return Ok(None);
+            }
+        }
+        one.others.sort_by(|a, b| a.1.total_cmp(&b.1));
+    }
+    Ok(Some(all))
 }
 
 /// A hypothesis with the parameters of a fit to other recordings of the same object.
@@ -277,6 +328,9 @@ fn at<'a>(
     let point = Point { parameters: fit.point.parameters.clone(), nuisances };
     Ok(Hypothesis { structure: context.structure(effects)?, fit: Outcome { point, ..fit.clone() } })
 }
+
+/// A fit to many recordings, from values of a few, that is only compared.
+const ROUGH: Effort = Effort { steps: 8, derivatives: 2, ..COMPARED };
 
 /// Right effects leave up to this many times what the tuned simulation leaves of held-out recordings in which a joint sticks: where it
 /// does, is decided by thousandths.

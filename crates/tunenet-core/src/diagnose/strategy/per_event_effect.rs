@@ -2,7 +2,7 @@
 //! it can imitate much.
 
 use super::per_recording_fits::{How, fit_per_recording};
-use super::{Attempt, Refinement, Scope};
+use super::{Attempt, Refinement, Scope, at};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
@@ -11,7 +11,7 @@ use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
-use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point, spread};
+use crate::diagnose::hypothesis::joint::{Effort, spread};
 use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
 use crate::diagnose::judge::random_effect::EventEffectFit;
 use crate::diagnose::judge::random_effect::admit;
@@ -72,10 +72,34 @@ struct Leading {
     alone: Option<EventEffectFit>,
 }
 
+/// The context with draws of all recordings in addition to the effects of `model`, and a hypothesis with these; `None` where draws explain
+/// nothing.
+pub(super) fn with_draws_of_all<'a>(
+    context: &Context<'a>,
+    model: &Hypothesis<'a>,
+) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
+    let Some(effects) = fit_event_effects(context, model)?.filter(|fit| is_significant(context, fit)) else {
+        return Ok(None);
+    };
+    let admitted = admit(context, &effects)?;
+    let near = with_values(&admitted, model, &effects)?;
+    Ok(Some((admitted, near)))
+}
+
+/// The hypothesis with draws as nuisance parameters, which have their first values.
+fn with_values<'a>(admitted: &Context<'a>, model: &Hypothesis<'a>, effects: &EventEffectFit) -> Result<Hypothesis<'a>> {
+    let each = model.fit.point.nuisances.iter().zip(&effects.draws);
+    let nuisances = each.map(|(own, draws)| own.iter().copied().chain(draws.iter().map(|draw| draw.value)).collect());
+    at(admitted, (&model.structure.effects, &model.fit), nuisances.collect())
+}
+
+fn is_significant(context: &Context, fit: &EventEffectFit) -> bool {
+    fit.gain > context.settings.margin && fit.p_value < context.settings.significance
+}
+
 /// The random effect of events, if it explains more than every other effect, or what no other effect explains.
 fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> Result<Option<Leading>> {
-    let significant =
-        |fit: &EventEffectFit| fit.gain > context.settings.margin && fit.p_value < context.settings.significance;
+    let significant = |fit: &EventEffectFit| is_significant(context, fit);
     let all = fit_event_effects(context, &found.base)?;
     let alone = all.clone().filter(significant);
     if let (Some(random), Some(entry)) = (&alone, context.catalogue.iter().position(Entry::is_random_effect)) {
@@ -97,15 +121,7 @@ fn leading_effects(context: &Context, found: &mut Selection, adequate: bool) -> 
 fn with_draws<'a>(attempt: &Attempt<'a>, leading: &Leading) -> Result<Option<(Context<'a>, Hypothesis<'a>)>> {
     let effects = &leading.effects;
     let admitted = admit(&attempt.context, effects)?;
-    let drawn = |model: &Hypothesis<'a>| -> Result<Hypothesis<'a>> {
-        let mut nuisances = model.fit.point.nuisances.clone();
-        for (nuisances, draws) in nuisances.iter_mut().zip(&effects.draws) {
-            nuisances.extend(draws.iter().map(|draw| draw.value));
-        }
-        let point = Point { parameters: model.fit.point.parameters.clone(), nuisances };
-        let structure = admitted.structure(&model.structure.effects)?;
-        Ok(Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } })
-    };
+    let drawn = |model: &Hypothesis<'a>| with_values(&admitted, model, effects);
     let base = &attempt.found.base;
     if !admitted.shows_free_motions() {
         let near = drawn(base)?;
