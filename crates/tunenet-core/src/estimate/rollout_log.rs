@@ -74,7 +74,8 @@ pub enum Phase {
 #[derive(Debug, Clone, Default)]
 pub struct RolloutLog {
     shared: Arc<Shared>,
-    answered: Arc<Mutex<HashMap<Request, Vec<f64>>>>,
+    /// Answers; nothing yet of a rollout that is running.
+    answered: Arc<Mutex<HashMap<Request, Option<Vec<f64>>>>>,
     variant: usize,
     /// Rollouts of the allowance that are kept for other work.
     reserved: usize,
@@ -192,7 +193,7 @@ impl RolloutLog {
     /// not depend on the number of threads.
     pub(crate) fn trim(&self) {
         let mut answered = self.answered();
-        if answered.values().map(Vec::len).sum::<usize>() > MOST_NUMBERS {
+        if answered.values().flatten().map(Vec::len).sum::<usize>() > MOST_NUMBERS {
             answered.clear();
         }
     }
@@ -248,28 +249,42 @@ impl RolloutLog {
         self.answer(request, run)
     }
 
-    /// The answer to a request that was made before, or else what `run` answers, which counts as a rollout.
+    /// The answer to a request that was made before, or else what `run` answers, which counts as a rollout. Two threads that ask the same at a
+    /// time both run it, and it counts as with one thread: once, or as often as it is refused.
     fn answer(&self, request: Request, run: impl FnOnce(&Request) -> Result<Vec<f64>>) -> Result<Vec<f64>> {
-        if let Some(known) = self.answered().get(&request) {
-            return Ok(known.clone());
+        let mut answered = self.answered();
+        let is_first = match answered.get(&request) {
+            Some(Some(known)) => return Ok(known.clone()),
+            running => running.is_none(),
+        };
+        if is_first {
+            answered.insert(request.clone(), None);
         }
-        if self.strict {
-            self.spend()?;
-        } else {
-            self.add(1);
-        }
-        if let Some(watch) = &self.shared.watch {
+        drop(answered);
+        let counted = match (is_first, self.strict) {
+            (true, true) => self.spend(),
+            (is_first, _) => {
+                self.add(usize::from(is_first));
+                Ok(())
+            }
+        };
+        if let Some(watch) = self.shared.watch.as_ref().filter(|_| counted.is_ok()) {
             watch.rollouts(self.count());
         }
-        let answer = run(&request)?;
-        if self.answered().insert(request, answer.clone()).is_some() {
-            // Asked by two threads at a time, it counts once, as it does with one thread.
-            self.shared.count.fetch_sub(1, Ordering::Relaxed);
+        match counted.and_then(|()| run(&request)) {
+            Ok(answer) => {
+                self.answered().insert(request, Some(answer.clone()));
+                Ok(answer)
+            }
+            Err(refused) => {
+                self.add(usize::from(!is_first));
+                self.answered().remove(&request);
+                Err(refused)
+            }
         }
-        Ok(answer)
     }
 
-    fn answered(&self) -> MutexGuard<'_, HashMap<Request, Vec<f64>>> {
+    fn answered(&self) -> MutexGuard<'_, HashMap<Request, Option<Vec<f64>>>> {
         self.answered.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -346,5 +361,24 @@ mod tests {
         prepared.circumstances = Some(Arc::default());
         let driven = |_| ask(&log, 0, &prepared, 10).is_ok();
         assert_eq!([0, 1].map(driven), [true, false], "the allowance is spent");
+    }
+
+    /// Two threads ask the same while it runs: an answer counts once, a refusal for each, as with one thread.
+    #[test]
+    fn requests_at_a_time_count_as_with_one_thread() {
+        let request = || Request { variant: 0, recording: 0, samples: 1, values: vec![7] };
+        for refused in [false, true] {
+            let (log, both) = (RolloutLog::new(Some(9), None, None).strict(), std::sync::Barrier::new(2));
+            let run = |_: &Request| {
+                both.wait();
+                if refused { Err(Error::SimulatorBroken { message: "it ended".into() }) } else { Ok(vec![3.0]) }
+            };
+            let answers = std::thread::scope(|scope| {
+                let threads = [0, 1].map(|_| scope.spawn(|| log.answer(request(), run).ok()));
+                threads.map(|thread| thread.join().unwrap())
+            });
+            assert_eq!(answers, if refused { [None, None] } else { [Some(vec![3.0]), Some(vec![3.0])] });
+            assert_eq!(log.count(), if refused { 2 } else { 1 });
+        }
     }
 }

@@ -294,7 +294,8 @@ impl<'a> Extension<'_, 'a> {
         }
         let before = self.model.deviance(self.model.scale());
         let deviance = context.sum_of_squares(before, gain, self.scored.start.len() as f64);
-        Effort { derivatives: BENT, hopeless: 0.5 * deviance, ..COMPARED }
+        let derivatives = if self.scored.others.is_empty() { BENT } else { COMPARED.derivatives };
+        Effort { derivatives, hopeless: 0.5 * deviance, ..COMPARED }
     }
 
     /// The joint fit from `start` with derivatives by the hypothesis's own parameters that are nearly known.

@@ -44,6 +44,17 @@ impl<'a> Selection<'a> {
     pub fn tuned(base: Hypothesis<'a>) -> Self {
         Self { base, alone: Vec::new(), best: None, selected: Vec::new() }
     }
+
+    /// The same over the simulation as it is `tuned`, where it was searched over the same at other values.
+    pub fn over(mut self, context: &Context, tuned: Hypothesis<'a>) -> Self {
+        let scale = self.best.as_ref().map_or(tuned.scale(), Hypothesis::scale);
+        let less = gain(context, &self.base, &tuned, scale);
+        self.alone.iter_mut().for_each(|one| one.gain -= less);
+        if let [one] = self.selected.as_mut_slice() {
+            one.gain -= less;
+        }
+        Self { base: tuned, ..self }
+    }
 }
 
 /// A step of the selection: a hypothesis with every candidate in addition to it.
@@ -125,27 +136,28 @@ pub(in crate::diagnose) fn search_again<'a>(
             return Ok((context, found));
         }
     }
-    let base = base_again(&learned, &found.base, best)?;
+    let base = learned.fit_near(&[], &found.base)?;
+    let near = known_base(&learned, &base, &found.base, best)?;
     let before = if context.shows_free_motions() && hidden < HIDDEN { found.alone.as_slice() } else { &[] };
-    let found = search_near(&learned, base, before, is_adequate, progress)?;
+    let found = search_near(&learned, near, before, is_adequate, progress)?.over(&learned, base);
     Ok((learned, found))
 }
 
-/// The simulation without any effect for a second search. Of free motions it stays where it was, and the rollouts about it are known,
-/// unless another fit gains more than a small share of what the effects of `best` do: candidates are compared with one another.
-pub(in crate::diagnose) fn base_again<'a>(
+/// The simulation without any effect for a second search, `tuned` again. Of free motions it stays where it was `before`, and the rollouts about
+/// it are known, unless that gains more than a small share of what the effects of `best` do: candidates are compared with one another.
+pub(in crate::diagnose) fn known_base<'a>(
     context: &Context<'a>,
-    base: &Hypothesis<'a>,
+    tuned: &Hypothesis<'a>,
+    before: &Hypothesis<'a>,
     best: &Hypothesis<'a>,
 ) -> Result<Hypothesis<'a>> {
-    let moved = context.fit_near(&[], base)?;
-    if !context.shows_free_motions() {
-        return Ok(moved);
+    if context.shows_free_motions() {
+        let (kept, best) = (context.evaluated(before)?, context.evaluated(best)?);
+        if gain(context, &kept, tuned, best.scale()) < SAME * gain(context, &kept, &best, best.scale()) {
+            return Ok(kept);
+        }
     }
-    let (kept, best) = (context.evaluated(base)?, context.evaluated(best)?);
-    let scale = best.scale();
-    let gained = |other: &Hypothesis| gain(context, &kept, other, scale);
-    Ok(if gained(&moved) < SAME * gained(&best) { kept } else { moved })
+    tuned.again(context)
 }
 
 /// Candidates are scored in addition to `model`.
@@ -400,7 +412,6 @@ pub(in crate::diagnose) fn add_exact_twins(context: &Context, found: &mut Select
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::evidence::Evidence;
     use crate::diagnose::hypothesis::catalogue::Entry;
     use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, REST, entry, in_swings, names};
@@ -452,17 +463,6 @@ mod tests {
     #[test]
     fn a_single_motion_shows_one_effect_at_most() {
         assert!(found(&[(FRICTION, 0.2), (REST, 0.05)], 1).len() <= 1);
-    }
-
-    #[test]
-    fn a_second_search_begins_where_the_first_did() {
-        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
-            let base = fit_without_effects(context).unwrap();
-            let best = context.fit_near(&[entry(context, "viscous_friction")], &base).unwrap();
-            let learned = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.1));
-            let again = base_again(&learned, &base, &best).unwrap();
-            assert_eq!(again.fit.point.parameters, base.fit.point.parameters);
-        });
     }
 
     /// The context in which the rest angle is a twin of friction on this side.

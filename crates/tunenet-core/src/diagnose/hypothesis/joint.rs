@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use super::structure::Structure;
 use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
-use crate::diagnose::hypothesis::context::FULL;
 use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::{Columns, grouped, grouped_jacobian, jacobian};
@@ -329,7 +328,19 @@ impl Joint<'_> {
     /// The outcome at `point`, without a step.
     pub fn evaluate(&self, point: Point) -> Result<Outcome> {
         let residuals = self.residuals(&point, 1.0)?;
-        self.fit_from(point, residuals, Effort { steps: 0, derivatives: 1, tolerance: 0.0, ..FULL }, None)
+        self.fit_from(
+            point,
+            residuals,
+            Effort {
+                steps: 0,
+                derivatives: 1,
+                ends_measured: true,
+                tolerance: 0.0,
+                horizon: 1.0,
+                hopeless: f64::INFINITY,
+            },
+            None,
+        )
     }
 
     /// Moves the start of the recording at `index`, if the simulator refuses it (a body inside a surface), to the nearest one

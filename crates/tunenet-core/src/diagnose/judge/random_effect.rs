@@ -155,7 +155,7 @@ struct Direction {
     shared: DVector<f64>,
 }
 
-/// The principal directions of a recording's draws, by their derivatives: those of two directions have no product; none where a number is not finite.
+/// The principal directions of a recording's draws, whose derivatives have no product with one another; none where a number is not finite.
 fn directions(columns: &[Vec<f64>], (projector, index): (&Projector, usize), left: &[f64]) -> Vec<Direction> {
     if columns.is_empty() {
         return Vec::new();
@@ -198,7 +198,7 @@ fn random_effect(directions: &[Direction], squares: f64, count: usize) -> (f64, 
             inner.ger(-inflated, shared, shared, 1.0);
             right.axpy(inflated * along, shared, 1.0);
         }
-        // With blocks that are not finite or not positive definite but for rounding, there is nothing to gain.
+        // Where rounding leaves the matrix without a Cholesky factor, nothing is gained.
         if let Some(factor) = inner.cholesky() {
             explained += right.dot(&factor.solve(&right));
             width += 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();

@@ -6,7 +6,7 @@ use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
-use crate::diagnose::hypothesis::forward_selection::{Selection, base_again, search, search_near};
+use crate::diagnose::hypothesis::forward_selection::{Selection, known_base, search, search_near};
 use crate::diagnose::hypothesis::plausibility::is_required;
 use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate, validate_near};
@@ -72,11 +72,8 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     let held_out_floor = noise_floor(&context.evidence.validation);
     let context =
         context.with_evidence(with_discrepancy_as_noise(context, first.best.as_ref().unwrap_or(&first.base))?);
-    let base = match &first.best {
-        Some(best) if context.shows_free_motions() => base_again(&context, &first.base, best)?,
-        _ => context.fit_near_with(&[], &first.base, COMPARED)?,
-    };
-    let fitted = &first.alone;
+    let base = context.fit_near_with(&[], &first.base, COMPARED)?;
+    let searched = first;
     let refitted = |best: &Hypothesis| context.fit_near_with(&best.structure.effects, best, COMPARED);
     let first = first.best.as_ref().map(refitted).transpose()?;
     if let Some(best) = &first
@@ -92,8 +89,12 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     {
         return Ok(Second { context, found: Selection::tuned(base), before: None, tests: Vec::new() });
     }
-    let before_inflation = if context.shows_free_motions() { fitted.as_slice() } else { &[] };
-    let mut found = search_near(&context, base, before_inflation, is_adequate, progress)?;
+    let near = match &first {
+        Some(best) => known_base(&context, &base, &searched.base, best)?,
+        None => base.again(&context)?,
+    };
+    let fitted = if context.shows_free_motions() { searched.alone.as_slice() } else { &[] };
+    let mut found = search_near(&context, near, fitted, is_adequate, progress)?.over(&context, base);
     let after = reached(&context, &found, before.as_ref())?;
     if let (Some(before), Some(after)) = (&before, &after) {
         admit_equals(&context, &mut found, before, after.rmse)?;
@@ -243,6 +244,25 @@ mod tests {
             let replaced = DiscrepancyAsNoise.attempt(tested, &|_| {}).unwrap();
             assert!(replaced.practical.is_some() && replaced.floor == floor);
             assert_eq!(names(&replaced.context, &replaced.last().structure.effects), ["viscous_friction"]);
+        });
+    }
+
+    /// What is known about the simulation without effects is of use again, and gains are over the tuned one.
+    #[test]
+    fn a_second_search_begins_where_the_first_did() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
+            let best = found.best.as_ref().unwrap();
+            let learned = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.1));
+            let tuned = learned.fit_near(&[], &found.base).unwrap();
+            let again = known_base(&learned, &tuned, &found.base, best).unwrap();
+            assert_eq!(again.fit.point.parameters, found.base.fit.point.parameters);
+            let gained = |base: &Hypothesis<'_>, tuned: &Hypothesis<'_>| {
+                let (base, tuned) = (base.again(&learned).unwrap(), tuned.again(&learned).unwrap());
+                search(&learned, base, is_adequate, &|_| {}).unwrap().over(&learned, tuned).selected[0].gain
+            };
+            let (near, direct) = (gained(&again, &tuned), gained(&tuned, &tuned));
+            assert!((near - direct).abs() < 0.1, "{near} {direct}");
         });
     }
 }
