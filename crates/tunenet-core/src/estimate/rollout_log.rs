@@ -236,17 +236,16 @@ impl RolloutLog {
         (parameters, nuisances): (&[f64], &[f64]),
         clock: &[f64],
     ) -> Result<Vec<f64>> {
-        let run = |_: &Request| predict(simulator, recording, parameters, nuisances, clock);
+        if recording.circumstances.is_some() || clock.len() * simulator.channels().len() > LARGEST_KEPT {
+            self.spend()?;
+            return predict(simulator, recording, parameters, nuisances, clock);
+        }
         let bits = |value: &f64| value.to_bits();
         let names = digest(simulator.parameters().iter().map(|parameter| &parameter.name));
         let values = [names, digest(clock.iter().map(bits))].into_iter().chain(parameters.iter().map(bits));
         let values = values.chain(nuisances.iter().map(bits)).collect();
         let request = Request { variant: object, recording: 0, samples: clock.len(), values };
-        if recording.circumstances.is_some() || clock.len() * simulator.channels().len() > LARGEST_KEPT {
-            self.spend()?;
-            return run(&request);
-        }
-        self.answer(request, run)
+        self.answer(request, |_| predict(simulator, recording, parameters, nuisances, clock))
     }
 
     /// The answer to a request that was made before, or else what `run` answers, which counts as a rollout. Two threads that ask the same at a
