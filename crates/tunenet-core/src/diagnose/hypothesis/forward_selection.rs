@@ -45,7 +45,7 @@ impl<'a> Selection<'a> {
         Self { base, alone: Vec::new(), best: None, selected: Vec::new() }
     }
 
-    /// The same over the simulation as it is `tuned`, where it was searched over the same at other values.
+    /// The same with `tuned` as the simulation without effects, and gains over it.
     pub fn over(mut self, context: &Context, tuned: Hypothesis<'a>) -> Self {
         let scale = self.best.as_ref().map_or(tuned.scale(), Hypothesis::scale);
         let less = gain(context, &self.base, &tuned, scale);
@@ -143,8 +143,8 @@ pub(in crate::diagnose) fn search_again<'a>(
     Ok((learned, found))
 }
 
-/// The simulation without any effect for a second search, `tuned` again. Of free motions it stays where it was `before`, and the rollouts about
-/// it are known, unless that gains more than a small share of what the effects of `best` do: candidates are compared with one another.
+/// The simulation without any effect from which a second search begins. Of free motions it keeps the values from `before`, about which rollouts
+/// are known, unless the `tuned` values gain more than a small share of what the effects of `best` do.
 pub(in crate::diagnose) fn known_base<'a>(
     context: &Context<'a>,
     tuned: &Hypothesis<'a>,
