@@ -96,6 +96,8 @@ pub(crate) struct Minimum {
     pub nearby: Option<Vec<Columns>>,
     /// Whether it ended because no more rollouts are allowed.
     pub cut_short: bool,
+    /// Whether it ended without hope, and may not be a minimum.
+    pub abandoned: bool,
     /// Rollouts that were asked for.
     pub rollouts: usize,
 }
@@ -124,14 +126,18 @@ pub(crate) fn minimise(
     }
     let mut columns = first;
     let mut origin = if settings.first_measured { Origin::Measured } else { Origin::Followed };
-    let (mut confirms, mut derived, mut cut_short) = (false, 0, false);
+    let (mut confirms, mut derived, mut cut_short, mut abandoned) = (false, 0, false, false);
     let (mut equations, mut last) = (None, None);
     while steps < settings.steps {
         let scale = problem.scale(&residuals);
         let cost = huber_cost(&residuals, scale) + prior_cost(problem, &point);
         let known = match columns.take() {
             Some(known) => known,
-            None if derived == settings.derivatives || derived >= PATIENCE && cost > settings.hopeless => break,
+            None if derived == settings.derivatives => break,
+            None if derived >= PATIENCE && cost > settings.hopeless => {
+                abandoned = true;
+                break;
+            }
             None if !problem.affords(column_count(problem)) => {
                 cut_short = true;
                 break;
@@ -206,7 +212,7 @@ pub(crate) fn minimise(
         }
     };
     let derivatives = exact.columns.filter(|_| cut_short || exact.moved_sds < NEAR_SDS);
-    Ok(Minimum { point, residuals, equations, derivatives, nearby, cut_short, rollouts })
+    Ok(Minimum { point, residuals, equations, derivatives, nearby, cut_short, abandoned, rollouts })
 }
 
 /// Steps in a row that gained next to nothing.
@@ -442,6 +448,7 @@ mod tests {
         let (whole, cut) = (fitted(f64::INFINITY), fitted(0.0));
         assert!((whole.point.parameters[0] - 1.0).abs() < 1e-3, "{:?}", whole.point);
         assert!(cut.rollouts < whole.rollouts / 2, "{} of {}", cut.rollouts, whole.rollouts);
+        assert!(cut.abandoned && !whole.abandoned);
     }
 
     /// With derivatives that leave out what crosses, a fit ends where one with all of them does, by fewer rollouts, and the last are measured.

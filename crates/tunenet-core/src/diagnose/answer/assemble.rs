@@ -218,7 +218,7 @@ fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> 
         name: context.catalogue[c.entry].name.clone(),
         bic_gain: c.gain,
         delta: best - c.gain,
-        fitted: c.model.is_some(),
+        fitted: c.model.as_ref().is_some_and(|model| !model.fit.abandoned),
         held_out_ratio: ratios.iter().find(|(entry, _)| *entry == c.entry).map(|(_, ratio)| *ratio),
         excluded: c.excluded.clone(),
     });

@@ -119,7 +119,8 @@ pub struct Candidate {
     pub bic_gain: f64,
     /// How far it stays behind the best candidate.
     pub delta: f64,
-    /// Whether the gain comes from a joint fit, or is what a first-order prediction promises.
+    /// Whether the gain is that of a joint fit to the end. Otherwise it is estimated: promised or reached by one step, or by a fit that
+    /// ended because it stayed far behind the best.
     pub fitted: bool,
     /// Residual on held-out recordings over that of the tuned simulation without it, where both are known.
     pub held_out_ratio: Option<f64>,

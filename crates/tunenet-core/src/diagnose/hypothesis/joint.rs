@@ -110,6 +110,8 @@ pub(in crate::diagnose) struct Outcome {
     pub prior_part: f64,
     /// Covariance of the shared parameters for noise as stated.
     pub covariance: DMatrix<f64>,
+    /// Whether the fit ended without hope: the cost of a minimum would be lower.
+    pub abandoned: bool,
 }
 
 /// Recordings that have shared parameters in common, and those parameters.
@@ -399,6 +401,7 @@ impl Joint<'_> {
             minimise(&portion, start.clone(), residuals, first, &settings, &mut |_, _| {})
         };
         let fitted = every(parts.par_iter().map(one))?;
+        let abandoned = fitted.iter().any(|part| part.abandoned);
         let size = self.structure.shared.len();
         let mut covariance = DMatrix::from_diagonal_element(size, size, f64::INFINITY);
         let (mut point, mut nearby) = (start, vec![None; self.recordings.len()]);
@@ -422,7 +425,7 @@ impl Joint<'_> {
         let prior_part = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
         let scale = self.scale(&residuals);
         let cost = huber_cost(&residuals, scale) + prior_part;
-        Ok((Outcome { point, residuals, cost, scale, prior_part, covariance }, nearby.into_iter().collect()))
+        Ok((Outcome { point, residuals, cost, scale, prior_part, covariance, abandoned }, nearby.into_iter().collect()))
     }
 
     /// The scale of the robust loss.
