@@ -30,6 +30,14 @@ impl Columns {
         Self { indices: self.indices.clone(), shared: first(&self.shared), nuisances: first(&self.nuisances) }
     }
 
+    /// Without the shared parameters that are not at one of these positions, which rise; the others are numbered anew.
+    pub fn at(&self, positions: &[usize]) -> Self {
+        let kept = self.indices.iter().zip(&self.shared);
+        let kept = kept.filter_map(|(index, column)| Some((positions.binary_search(index).ok()?, column.clone())));
+        let (indices, shared) = kept.unzip();
+        Self { indices, shared, nuisances: self.nuisances.clone() }
+    }
+
     /// These, and those by the shared parameters of `more`.
     pub fn with(&self, more: &Self) -> Self {
         Self {

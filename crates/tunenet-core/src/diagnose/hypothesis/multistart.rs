@@ -2,7 +2,8 @@
 //! the initial states that first samples show, of an effect that turns a motion round.
 
 use crate::Result;
-use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::evidence::sample::Sample;
+use crate::diagnose::hypothesis::context::{COMPARED, Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, Which, spread};
 use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
 use crate::estimate::GROWING_SHARES;
@@ -103,6 +104,9 @@ impl Tries {
 
 /// The best fit of the simulation as it is.
 pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Result<Hypothesis<'a>> {
+    if let Some(found) = fit_from_a_sample(context)? {
+        return Ok(found);
+    }
     let structure = context.structure(&[])?;
     let joint = context.joint(&structure);
     let mut tries = Tries { by_parts: is_begun(context), ..Tries::default() };
@@ -130,6 +134,31 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
         })
     })?;
     Ok(Hypothesis { structure, fit })
+}
+
+/// The fit of a sample of many recordings, continued in all of them. `None` where there are few, or where it leaves more of all than of the
+/// sample.
+fn fit_from_a_sample<'a>(context: &Context<'a>) -> Result<Option<Hypothesis<'a>>> {
+    let Some(Sample { evidence, fitted }) = context.evidence.sample().filter(|_| context.shows_free_motions()) else {
+        return Ok(None);
+    };
+    let few = fit_without_effects(&context.with_evidence(evidence))?;
+    let Point { parameters, nuisances: found } = &few.fit.point;
+    let mut nuisances: Vec<Vec<f64>> = context.recordings().iter().map(|r| r.prepared.nuisance_values()).collect();
+    for (&i, found) in fitted.iter().zip(found) {
+        nuisances[i].clone_from(found);
+    }
+    let structure = context.structure(&[])?;
+    let joint = context.joint(&structure);
+    let start = Point { parameters: parameters.clone(), nuisances };
+    let Ok(early) = joint.fit(start, Effort { horizon: HORIZONS[1], ..EARLY }) else { return Ok(None) };
+    let Ok(fit) = joint.fit(early.point, COMPARED) else { return Ok(None) };
+    if spread(&fit.residuals) >= LEFT * spread(&few.fit.residuals) {
+        return Ok(None);
+    }
+    // Where nothing may be missing, its covariance is that of the answer.
+    let fit = if spread(&fit.residuals) < LEFT { joint.fit(fit.point, FULL)? } else { fit };
+    Ok(Some(Hypothesis { structure, fit }))
 }
 
 /// Whether recordings show initial states by their first samples, and `model`, which follows the motion as a whole, may have others that

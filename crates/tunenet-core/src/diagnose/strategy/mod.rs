@@ -23,7 +23,7 @@ use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
 use crate::diagnose::hypothesis::confusable_set::exact_twins;
 use crate::diagnose::hypothesis::context::{COMPARED, Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection, add_exact_twins};
-use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point};
+use crate::diagnose::hypothesis::joint::{Effort, Outcome, Point, Which};
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
 use crate::diagnose::judge::adequacy::{
     RESOLVED, ResidualDiagnostics, is_adequate, is_below_steps, residual_diagnostics,
@@ -32,6 +32,7 @@ use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
 use crate::diagnose::{Progress, Test};
+use crate::estimate::jacobian::Columns;
 use crate::simulator::Text;
 use discrepancy_as_noise::kept_with_inflated_noise;
 use per_event_effect::with_draws_of_all;
@@ -228,21 +229,19 @@ fn refined<'a>(mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<
 /// where effects explain the sample and not all, or the other way round, and where another effect explains all better.
 fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Attempt<'a>>> {
     let context = &attempt.context;
-    let Some(Sample { evidence, fitted }) = context.evidence.sample() else { return Ok(None) };
+    let Some(Sample { evidence, .. }) = context.evidence.sample() else { return Ok(None) };
     if context.settings.quick || !context.shows_free_motions() || is_adequate(context, attempt.last()) {
         return Ok(None);
     }
     let few = context.with_evidence(evidence);
-    let of_all = &attempt.found.base.fit;
-    let nuisances = fitted.iter().map(|&i| of_all.point.nuisances[i].clone()).collect();
-    let base = few.fit_near(&[], &at(&few, (&[], of_all), nuisances)?)?;
+    let base = fit_without_effects(&few)?;
     let sampled = refined(Attempt::started(few, base), progress)?;
     if !sampled.is_plain() {
         return Ok(None);
     }
     let before = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(sampled.lag1));
     let (mut all, last) = (before.clone(), sampled.last());
-    let mut model = at(&all, (&last.structure.effects, &last.fit), of_all.point.nuisances.clone())?;
+    let mut model = at(&all, (&last.structure.effects, &last.fit), attempt.found.base.fit.point.nuisances.clone())?;
     let is_explained = sampled.residuals.passed();
     let effort = if is_explained { COMPARED } else { ROUGH };
     model = all.fit_near_with(&last.structure.effects, &model, effort)?;
@@ -299,16 +298,12 @@ fn selected_in_all<'a>(
             let is_close = *gap < context.settings.margin && sampled.residuals.passed();
             is_close && twins.iter().all(|(twin, _)| twin != other)
         };
+        let mut without = None;
         for (other, gap) in one.others.iter_mut().filter(|other| is_open(other)) {
-            let mut effects = model.structure.effects.clone();
-            effects[place] = *other;
+            let without = without.get_or_insert_with(|| Without::effect(context, model, place));
             // From where the sample has it, if alone; a fit may end in another local minimum, and then the sample's distance counts.
             let alone = sampled.found.alone.iter().find(|one| one.entry == *other).and_then(|one| one.model.as_ref());
-            let near = match alone.filter(|alone| alone.structure.effects == effects) {
-                Some(alone) => &at(context, (&effects, &alone.fit), model.fit.point.nuisances.clone())?,
-                None => model,
-            };
-            let rival = context.fit_near_with(&effects, near, ROUGH)?;
+            let rival = without.with(context, *other, alone)?;
             *gap = gain(context, &rival, model, model.scale()).min(*gap * times);
             if *gap < -1.0 {
                 return Ok(None);
@@ -317,6 +312,41 @@ fn selected_in_all<'a>(
         one.others.sort_by(|a, b| a.1.total_cmp(&b.1));
     }
     Ok(Some(all))
+}
+
+/// A hypothesis less one of its effects, and the derivatives by the parameters that are left.
+struct Without<'m, 'a> {
+    model: &'m Hypothesis<'a>,
+    effects: Vec<usize>,
+    columns: Vec<Columns>,
+    /// How many shared parameters are left.
+    known: usize,
+}
+
+impl<'m, 'a> Without<'m, 'a> {
+    /// Without the effect at this place.
+    fn effect(context: &Context<'a>, model: &'m Hypothesis<'a>, place: usize) -> Self {
+        let (structure, fit) = (&model.structure, &model.fit);
+        let columns = context.joint(structure).columns(&fit.point, &fit.residuals, Which::ALL);
+        let is_left = |&i: &usize| structure.shared[i].effect.is_none_or(|(effect, _)| effect != place);
+        let left: Vec<usize> = (0..structure.shared.len()).filter(is_left).collect();
+        let mut effects = structure.effects.clone();
+        effects.remove(place);
+        Self { model, effects, columns: columns.iter().map(|one| one.at(&left)).collect(), known: left.len() }
+    }
+
+    /// With another effect in its place, fitted from where it stands `alone` in a sample, if it does.
+    fn with(&self, context: &Context<'a>, effect: usize, alone: Option<&Hypothesis<'a>>) -> Result<Hypothesis<'a>> {
+        let structure = context.structure(&[self.effects.as_slice(), &[effect]].concat())?;
+        let (shared, fit) = (&self.model.structure, &self.model.fit);
+        let parameters = match alone.filter(|alone| alone.structure.effects == structure.effects) {
+            Some(alone) => alone.fit.point.parameters.clone(),
+            None => structure.carry(shared, &fit.point.parameters),
+        };
+        let start = Point { parameters, nuisances: fit.point.nuisances.clone() };
+        let fit = context.joint(&structure).fit_extended(start, (&self.columns, self.known), ROUGH)?;
+        Ok(Hypothesis { structure, fit })
+    }
 }
 
 /// A hypothesis with the parameters of a fit to other recordings of the same object.
