@@ -4,5 +4,6 @@ mod answers;
 mod contacts_alone;
 mod effects;
 mod formulas;
+mod gripping;
 mod laws;
 mod real;

@@ -8,13 +8,13 @@ use crate::Result;
 use crate::diagnose::hypothesis::context::{COMPARED, Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Known, Point, Which};
 use crate::diagnose::hypothesis::multistart::{best_shapes, first_samples_show_more, fit_from_first_samples};
-use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible, refusal};
+use crate::diagnose::hypothesis::plausibility::{Exclusion, Influence, implausible, influence, refusal};
 use crate::diagnose::hypothesis::structure::{SharedParameter, Structure};
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::canonical_correlation::canonical_correlation;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
-use crate::estimate::projection::{Projector, orthonormal, stack};
+use crate::estimate::projection::{Projector, orthonormal};
 use crate::statistics::dot;
 
 /// One step with derivatives that are known already.
@@ -22,9 +22,6 @@ const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
 const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ..COMPARED };
 /// A few steps from derivatives that were measured at a point nearby.
 const NEAR_STEPS: Effort = Effort { steps: 6, derivatives: 2, ..FEW_STEPS };
-/// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
-/// not there to be seen.
-const VISIBLE: f64 = 3.0;
 /// ... nor one of which parameters and start states can do all but this share (of squares).
 pub(in crate::diagnose) const LEFT_OVER: f64 = 1e-6;
 /// Of derivatives that share rollouts, which are off by a tenth at most, so large a share is left by none that parameters do.
@@ -207,50 +204,6 @@ fn try_score(
     Ok(())
 }
 
-/// What a candidate's coefficients do to the residuals.
-struct Influence {
-    columns: Vec<Columns>,
-    /// The columns, stacked, without what the parameters of the model do.
-    projected: Vec<Vec<f64>>,
-    /// The sum of squares of the columns, and of the projected ones.
-    whole: f64,
-    rest: f64,
-    /// Whether one of them can be seen within the physical bounds.
-    seen: bool,
-}
-
-/// The influence of the coefficients from `known` on at `point`: by small steps, and where that is not seen by visible ones.
-fn influence(
-    context: &Context<'_>,
-    entry: usize,
-    (joint, point, known): (&Joint, &Point, usize),
-    model: &Hypothesis,
-    projector: &Projector,
-) -> Influence {
-    let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
-    let mut found = Influence { columns: Vec::new(), projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
-    for visibly in [false, true] {
-        let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
-        let columns = joint.columns(point, &model.fit.residuals, which);
-        found = Influence { columns, projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
-        for (index, shared) in joint.structure.shared.iter().enumerate().skip(known) {
-            let mut column = stack(&found.columns, &lengths, index);
-            found.whole += dot(&column, &column);
-            projector.project(&mut column);
-            let size = dot(&column, &column);
-            found.rest += size;
-            let (absent, coefficient) = (shared.absent.map_or(0.0, |a| a.0), shared.effect.map_or(0, |e| e.1));
-            let (low, high) = context.catalogue[entry].of[shared.object.unwrap_or(0)].plausible[coefficient];
-            found.seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
-            found.projected.push(column);
-        }
-        if found.seen {
-            break;
-        }
-    }
-    found
-}
-
 /// A hypothesis and one of its candidates, linearised about the fit of the hypothesis.
 #[derive(Clone, Copy)]
 struct Extension<'s, 'a> {
@@ -379,6 +332,22 @@ fn fit_best<'s, 'a: 's>(
             take(context, &mut candidates[i], extension(i).model, fitted);
         }
     }
+    if let Some(best) = leader(candidates).filter(|_| context.shows_free_motions()) {
+        let leading = candidates[best].model.as_ref();
+        let mistaken = &context.catalogue[candidates[best].entry].of[0].mistaken_for;
+        let is_mistaken = |&i: &usize| {
+            let one = &candidates[i];
+            let effect = &context.catalogue[one.entry].of[0].name;
+            one.excluded.is_none() && mistaken.contains(effect) && extension(i).scored.others.is_empty()
+        };
+        let mistaken: Vec<usize> = (0..candidates.len()).filter(is_mistaken).collect();
+        let from_leading = |&i: &usize| fit_from_leading(context, &candidates[i], leading?, extension(i));
+        let fits: Vec<_> = mistaken.par_iter().map(from_leading).collect();
+        for (&i, fitted) in mistaken.iter().zip(fits) {
+            done[i] |= fitted.is_some();
+            take(context, &mut candidates[i], extension(i).model, fitted);
+        }
+    }
     // What was not fitted to the end keeps what one step gained, and no model.
     for (candidate, done) in candidates.iter_mut().zip(done) {
         if !done {
@@ -465,6 +434,36 @@ fn fit_from_larger<'a>(
         }
     }
     best
+}
+
+/// From larger coefficients of an effect for which the `leading` one can be mistaken, with the other values that this one has: an effect
+/// that saturates, as friction that grips, has no slope there, and a fit from small coefficients ends at other values. `None` where that is no
+/// better than `candidate`.
+fn fit_from_leading<'a>(
+    context: &Context<'a>,
+    candidate: &CandidateFit<'a>,
+    leading: &Hypothesis<'a>,
+    extension: Extension<'_, 'a>,
+) -> Option<Hypothesis<'a>> {
+    let (model, known) = (extension.model, extension.model.structure.shared.len());
+    let (structure, scale) = (extension.structure(context).ok()?, model.scale());
+    let joint = context.joint(&structure);
+    let starts = LARGER.iter().filter_map(|size| {
+        let larger = |shared: &SharedParameter| {
+            let (absent, typical) = shared.absent.unwrap_or((0.0, 0.0));
+            (absent + size * typical).clamp(shared.parameter.min, shared.parameter.max)
+        };
+        let own = leading.fit.point.parameters[..known].iter().copied();
+        let parameters = own.chain(structure.shared[known..].iter().map(larger)).collect();
+        let start = Point { parameters, nuisances: leading.fit.point.nuisances.clone() };
+        let deviance = 2.0 * (huber_cost(&joint.residuals(&start, 1.0).ok()?, scale) + leading.fit.prior_part);
+        let coefficients = (structure.shared.len() - known) as f64;
+        Some((context.criterion(model.deviance(scale), deviance, coefficients), start))
+    });
+    let (reached, start) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let fitted = if reached > candidate.gain { joint.fit(start, COMPARED).ok()? } else { return None };
+    let found = Hypothesis { structure, fit: fitted };
+    (gain(context, model, &found, scale) > candidate.gain).then_some(found)
 }
 
 /// Gain of the information criterion from `before` to `after`, losses changing over at 4 times `scale`.

@@ -5,10 +5,17 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Joint, Point};
+use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
+use crate::estimate::jacobian::Columns;
+use crate::estimate::projection::{Projector, stack};
 use crate::observation::three_digits;
 use crate::simulator::Text;
+use crate::statistics::dot;
 use crate::{Error, Result};
+
+/// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
+/// not there to be seen.
+const VISIBLE: f64 = 3.0;
 
 /// Why a candidate cannot be the answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -194,6 +201,50 @@ pub(super) fn refusal(joint: &Joint, point: &Point, known: usize) -> Option<Erro
         }
     }
     refused
+}
+
+/// What a candidate's coefficients do to the residuals.
+pub(in crate::diagnose) struct Influence {
+    pub columns: Vec<Columns>,
+    /// The columns, stacked, without what the parameters of the model do.
+    pub projected: Vec<Vec<f64>>,
+    /// The sum of squares of the columns, and of the projected ones.
+    pub whole: f64,
+    pub rest: f64,
+    /// Whether one of them can be seen within the physical bounds.
+    pub seen: bool,
+}
+
+/// The influence of the coefficients from `known` on at `point`: by small steps, and where that is not seen by visible ones.
+pub(in crate::diagnose) fn influence(
+    context: &Context<'_>,
+    entry: usize,
+    (joint, point, known): (&Joint, &Point, usize),
+    model: &Hypothesis,
+    projector: &Projector,
+) -> Influence {
+    let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
+    let mut found = Influence { columns: Vec::new(), projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
+    for visibly in [false, true] {
+        let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
+        let columns = joint.columns(point, &model.fit.residuals, which);
+        found = Influence { columns, projected: Vec::new(), whole: 0.0, rest: 0.0, seen: false };
+        for (index, shared) in joint.structure.shared.iter().enumerate().skip(known) {
+            let mut column = stack(&found.columns, &lengths, index);
+            found.whole += dot(&column, &column);
+            projector.project(&mut column);
+            let size = dot(&column, &column);
+            found.rest += size;
+            let (absent, coefficient) = (shared.absent.map_or(0.0, |a| a.0), shared.effect.map_or(0, |e| e.1));
+            let (low, high) = context.catalogue[entry].of[shared.object.unwrap_or(0)].plausible[coefficient];
+            found.seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
+            found.projected.push(column);
+        }
+        if found.seen {
+            break;
+        }
+    }
+    found
 }
 
 #[cfg(test)]
