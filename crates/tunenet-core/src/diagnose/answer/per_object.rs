@@ -164,8 +164,14 @@ impl Explained {
         let unit = |c: usize| if one_unit { self.noise[c] } else { self.noise[c] / self.measured_noise[c] };
         let counted = residuals.iter().enumerate().filter(|(i, _)| self.kept[*i]);
         let (sum, count) = counted.fold((0.0, 0.0), |(s, n), (i, r)| (s + (r * unit(i % width)).powi(2), n + 1.0));
-        let values_per_sample = if one_unit { width as f64 } else { 1.0 };
+        let values_per_sample = if one_unit { self.measured_channels() as f64 } else { 1.0 };
         (sum * values_per_sample / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// How many channels have a value that counted, at least 1.
+    fn measured_channels(&self) -> usize {
+        let width = self.noise.len();
+        (0..width).filter(|c| self.kept.iter().skip(*c).step_by(width).any(|kept| *kept)).count().max(1)
     }
 }
 
@@ -178,7 +184,7 @@ fn part_rms<'e>(
     let (mut squares, mut samples) = (0.0, 0.0);
     for one in recordings {
         let width = one.noise.len();
-        let share = if channel.is_some() { 1.0 } else { 1.0 / width as f64 };
+        let share = if channel.is_some() { 1.0 } else { 1.0 / one.measured_channels() as f64 };
         let counted = (0..one.kept.len()).filter(|i| one.kept[*i] && channel.is_none_or(|c| i % width == c));
         for i in counted {
             squares += value(one, i, i % width).powi(2);
@@ -243,5 +249,9 @@ mod tests {
         assert_eq!(alike.iter().map(|one| one.channel.as_deref()).collect::<Vec<_>>(), [None, Some("a"), Some("b")]);
         // Three values of two channels are one and a half samples.
         assert!(near(alike[0].before, ((2.0 * 0.09 + 64.0) / 1.5f64).sqrt()) && alike[0].held_out.is_none());
+        // Of a channel without values there is nothing to count.
+        let half = Explained { kept: vec![true, false, true, false, false, false], ..explained(["m", "m"], false) };
+        let one = gaps(std::slice::from_ref(&half));
+        assert!(near(one[0].before, 0.3) && near(half.root_mean_square(&half.before), 0.3), "{one:?}");
     }
 }

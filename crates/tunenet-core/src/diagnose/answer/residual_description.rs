@@ -6,7 +6,7 @@ use crate::Result;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::wording::{Wording, is_segmented, words};
-use crate::observation::Channel;
+use crate::observation::{Channel, three_digits};
 use crate::simulator::Phase;
 
 /// An arc with fewer samples says nothing of its bend.
@@ -53,7 +53,8 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
     let excess = |channel: usize| -> f64 {
         arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square() - 3.0).sum()
     };
-    let Some(worst) = (0..channels.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
+    let shown = (0..channels.len()).filter(|&channel| arcs.iter().any(|a| a.channel == channel));
+    let Some(worst) = shown.max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
         return Ok(("the remaining residual has no recognisable pattern".into(), None));
     };
     let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
@@ -66,12 +67,10 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
     if !is_segmented(context) {
         return Ok((of_anything(&mine, axis, bend > 4.0 || line > 4.0, words), None));
     }
-    let size = root_mean_square(&mine, |a| a.acceleration);
+    let size = three_digits(root_mean_square(&mine, |a| a.acceleration));
     let (shape, phase) = if bend > 4.0 || !later {
-        let text = format!(
-            "within the {}, as a bend of about {size:.2e} {}/s² along {}",
-            words.segment[1], axis.unit, axis.name
-        );
+        let text =
+            format!("within the {}, as a bend of about {size} {}/s² along {}", words.segment[1], axis.unit, axis.name);
         (text, Some(Phase::Segment))
     } else if line > 4.0 {
         let [one, _] = words.segment;
@@ -92,7 +91,7 @@ fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool, words: &Wording) -> St
     let (of, shape): (fn(&Arc) -> f64, String) = if !slow {
         (|a| a.acceleration, format!("faster than the record is long, as an oscillation or a jitter of {name}"))
     } else if offset >= slope.max(bend) {
-        let size = root_mean_square(arcs, |a| a.offset);
+        let size = three_digits(root_mean_square(arcs, |a| a.offset));
         let side = if arcs.iter().all(|a| a.offset > 0.0) {
             ", measured above simulated"
         } else if arcs.iter().all(|a| a.offset < 0.0) {
@@ -102,17 +101,14 @@ fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool, words: &Wording) -> St
         };
         (
             |a| a.offset,
-            format!("over the whole of each record, as a constant offset of about {size:.2e} {unit} of {name}{side}"),
+            format!("over the whole of each record, as a constant offset of about {size} {unit} of {name}{side}"),
         )
     } else if slope >= bend {
-        let size = root_mean_square(arcs, |a| a.slope);
-        (|a| a.slope, format!("over the whole of each record, as a drift of about {size:.2e} {unit}/s of {name}"))
+        let size = three_digits(root_mean_square(arcs, |a| a.slope));
+        (|a| a.slope, format!("over the whole of each record, as a drift of about {size} {unit}/s of {name}"))
     } else {
-        let size = root_mean_square(arcs, |a| a.acceleration);
-        (
-            |a| a.acceleration,
-            format!("over the whole of each record, as a bend of about {size:.2e} {unit}/s² of {name}"),
-        )
+        let size = three_digits(root_mean_square(arcs, |a| a.acceleration));
+        (|a| a.acceleration, format!("over the whole of each record, as a bend of about {size} {unit}/s² of {name}"))
     };
     format!("the residual acts {shape}; {}", with(arcs, of, ["its size", "how fast things change", words.event_count]))
 }

@@ -204,9 +204,10 @@ impl PreparedRecording {
         if self.prepared.seen.common_unit().is_some() { vec![1.0; self.width()] } else { self.measured_noise.clone() }
     }
 
-    /// How many values are one sample of a root mean square: those of all channels as one distance where they have one unit.
+    /// How many values are one sample of a root mean square: those of all measured channels as one distance where they have one unit.
     pub(in crate::diagnose) fn values_per_sample(&self) -> f64 {
-        if self.prepared.seen.common_unit().is_some() { self.width() as f64 } else { 1.0 }
+        let measured = self.width() - self.unmeasured().len();
+        if self.prepared.seen.common_unit().is_some() { measured.max(1) as f64 } else { 1.0 }
     }
 
     pub(in crate::diagnose) fn clock(&self) -> &[f64] {

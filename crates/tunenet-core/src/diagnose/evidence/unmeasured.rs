@@ -29,7 +29,21 @@ impl PreparedRecording {
 
     /// Holds nuisance parameter `i` at its guess.
     pub(in crate::diagnose) fn hold(&mut self, i: usize) {
-        self.prior_sd[i] = HELD_SHARE * self.prepared.nuisances[i].span();
+        self.prior_sd[i] = self.held_sd(i);
+    }
+
+    fn held_sd(&self, i: usize) -> f64 {
+        HELD_SHARE * self.prepared.nuisances[i].span()
+    }
+
+    /// Whether nuisance parameter `i` is not held.
+    pub(in crate::diagnose) fn is_fitted(&self, i: usize) -> bool {
+        self.prior_sd[i] > self.held_sd(i)
+    }
+
+    /// How many nuisance parameters are fitted: those that are held are not.
+    pub(in crate::diagnose) fn fitted_nuisances(&self) -> usize {
+        (0..self.prepared.nuisances.len()).filter(|&i| self.is_fitted(i)).count()
     }
 }
 
@@ -50,7 +64,8 @@ mod tests {
 
     #[test]
     fn an_axis_that_stands_still_is_not_measured() {
-        assert_eq!(seen_along_x_and_z().unmeasured(), [1]);
+        let recording = seen_along_x_and_z();
+        assert_eq!((recording.unmeasured(), recording.values_per_sample()), (vec![1], 2.0));
     }
 
     /// What moves the recording stays as free as it was, what moves nothing is held at its guess.
@@ -59,7 +74,7 @@ mod tests {
         let mut recording = seen_along_x_and_z();
         let before = recording.prior_sd.clone();
         recording.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
-        assert_eq!(recording.prior_sd[0], before[0]);
+        assert_eq!((recording.prior_sd[0], recording.fitted_nuisances()), (before[0], 1));
         assert!(recording.prior_sd[1] < 1e-4 * before[1], "{:?}", recording.prior_sd);
     }
 }

@@ -7,7 +7,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation::LONGEST_OF_DISCREPANCY;
 use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::diagnose::judge::recording_scores::scores_and_nuisances;
 use crate::estimate::cluster_robust::Score;
 use crate::estimate::{Adequacy, is_below_step};
 use crate::observation::Kind;
@@ -25,6 +25,10 @@ const LAG_SHARE: usize = 5;
 /// Bodies move below the first of these, Hz; between them lies what should be noise.
 const LOW_HZ: f64 = 4.0;
 const HIGH_HZ: f64 = 14.0;
+/// With fewer degrees of freedom in the slow band than the first of these, one bend of the measurement decides the test of the bands; and with
+/// fewer in the fast band than the second, chance does.
+const LEAST_SLOW: f64 = 8.0;
+const LEAST_FAST: f64 = 4.0;
 
 /// A lag-1 correlation above this is more than sensors and trackers are known for at the rates that people record at.
 const LONG_LAG1: f64 = 0.7;
@@ -57,12 +61,11 @@ pub(in crate::diagnose) fn is_adequate(context: &Context, model: &Hypothesis) ->
 pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypothesis) -> ResidualDiagnostics {
     let residuals = &model.fit.residuals;
     let unknowns = model.structure.shared.len() as f64;
+    let (scores, nuisances) = scores_and_nuisances(context, model);
+    let slow_against_fast = band_power(context.recordings(), residuals, (&nuisances, unknowns));
     let mut tests: Vec<Test> =
-        [portmanteau(context.recordings(), residuals), band_power(context.recordings(), residuals, unknowns)]
-            .into_iter()
-            .flatten()
-            .collect();
-    let agreement = heterogeneity(context, model);
+        [portmanteau(context.recordings(), residuals), slow_against_fast].into_iter().flatten().collect();
+    let agreement = heterogeneity(context, model, scores);
     let mut heterogeneous = agreement.as_ref().is_some_and(|test| !test.passed);
     tests.extend(agreement);
     tests.extend(residual_size(context, model));
@@ -133,7 +136,7 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let share = model.structure.shared.len().div_ceil(context.recordings().len().max(1));
     let each = context.recordings().iter().zip(residuals).filter(|(recording, _)| tested(recording)).map(
         |(recording, residual)| {
-            let fitted = recording.prepared.nuisances.len() + share;
+            let fitted = recording.fitted_nuisances() + share;
             Adequacy::of(&recording.prepared.seen, &recording.noise, residual, (fitted, recording.prepared.discrepancy))
         },
     );
@@ -143,8 +146,7 @@ fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
 
 /// Whether the recordings agree on the shared parameters: how far each alone would move them, weighed by how well it knows
 /// them, after its nuisance parameters (a score test; χ² over the recordings).
-fn heterogeneity(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
-    let scores = recording_scores(context, model);
+fn heterogeneity(context: &Context<'_>, model: &Hypothesis, scores: Vec<Score>) -> Option<Test> {
     let size = model.structure.shared.len();
     let mut whole = vec![0.0; size];
     for score in &scores {
@@ -186,18 +188,25 @@ fn limit(freedom: f64, practical: f64) -> f64 {
     (chi_squared_quantile(1.0 - PROBABLE, freedom) / freedom).max(practical)
 }
 
-/// The kept values of each channel of each recording, with their instants.
-fn series<'a>(
-    recordings: &'a [PreparedRecording],
-    residuals: &'a [Vec<f64>],
-) -> impl Iterator<Item = (usize, Vec<f64>, Vec<f64>)> + 'a {
+/// The kept values of one channel of one recording.
+struct Series {
+    /// The position of the recording.
+    recording: usize,
+    /// Positions among the values of the recording.
+    at: Vec<usize>,
+    /// Their instants, s.
+    clock: Vec<f64>,
+    values: Vec<f64>,
+}
+
+fn series<'a>(recordings: &'a [PreparedRecording], residuals: &'a [Vec<f64>]) -> impl Iterator<Item = Series> + 'a {
     recordings.iter().zip(residuals).enumerate().flat_map(|(index, (recording, residual))| {
         let width = recording.width();
         (0..width).filter_map(move |channel| {
-            let counted = || (channel..residual.len()).step_by(width).filter(|&i| recording.keep[i]);
-            let values: Vec<f64> = counted().map(|i| residual[i]).collect();
-            let clock = counted().map(|i| recording.clock()[i / width]).collect();
-            (values.len() >= 12).then_some((index, clock, values))
+            let at: Vec<usize> = (channel..residual.len()).step_by(width).filter(|&i| recording.keep[i]).collect();
+            let values = at.iter().map(|&i| residual[i]).collect();
+            let clock = at.iter().map(|&i| recording.clock()[i / width]).collect();
+            (at.len() >= 12).then_some(Series { recording: index, at, clock, values })
         })
     })
 }
@@ -205,7 +214,7 @@ fn series<'a>(
 /// Ljung and Box (1978) over all channels and recordings: `Q = n (n + 2) Σ r_k²/(n − k)`, summed.
 fn portmanteau(recordings: &[PreparedRecording], residuals: &[Vec<f64>]) -> Option<Test> {
     let (mut total, mut freedom) = (0.0, 0.0);
-    for (_, _, values) in series(recordings, residuals) {
+    for Series { values, .. } in series(recordings, residuals) {
         let n = values.len();
         let lags = LAGS.min(n / LAG_SHARE);
         // Single heavy samples would drown every correlation.
@@ -230,40 +239,45 @@ fn portmanteau(recordings: &[PreparedRecording], residuals: &[Vec<f64>]) -> Opti
     })
 }
 
-/// Mean power below [`LOW_HZ`] over that between it and [`HIGH_HZ`]; `unknowns` numbers were fitted to all recordings, and
-/// each had its own.
-fn band_power(recordings: &[PreparedRecording], residuals: &[Vec<f64>], unknowns: f64) -> Option<Test> {
+/// Mean power below [`LOW_HZ`] over that between it and [`HIGH_HZ`]: `unknowns` numbers were fitted to all recordings, and each had its own,
+/// which took what lies along these directions out of either band.
+fn band_power(
+    recordings: &[PreparedRecording],
+    residuals: &[Vec<f64>],
+    (nuisances, unknowns): (&[Vec<Vec<f64>>], f64),
+) -> Option<Test> {
     let (mut low, mut high, mut low_count, mut high_count) = (0.0, 0.0, 0.0, 0.0);
-    for (_, clock, values) in series(recordings, residuals) {
+    for Series { recording, at, clock, values } in series(recordings, residuals) {
         let n = values.len();
         let duration = (clock[n - 1] - clock[0]) * n as f64 / (n - 1) as f64;
         let nyquist = 0.5 * n as f64 / duration;
         let edge = LOW_HZ.min(nyquist / 3.0);
         let values: Vec<f64> = values.iter().map(|v| v.clamp(-4.0, 4.0)).collect();
+        let fitted = nuisances.get(recording).map_or(&[][..], Vec::as_slice);
+        let fitted: Vec<Vec<f64>> = fitted.iter().map(|one| at.iter().map(|&i| one[i]).collect()).collect();
         let mut bin = 1.0;
         while bin / duration < HIGH_HZ.min(0.9 * nyquist) {
             let hertz = bin / duration;
-            let omega = std::f64::consts::TAU * hertz;
-            let (mut cosine, mut sine) = (0.0, 0.0);
-            for (t, v) in clock.iter().zip(&values) {
-                let (s, c) = (omega * (t - clock[0])).sin_cos();
-                cosine += v * c;
-                sine += v * s;
-            }
-            let power = 2.0 * (cosine * cosine + sine * sine) / n as f64;
+            let wave: Vec<(f64, f64)> =
+                clock.iter().map(|t| (std::f64::consts::TAU * hertz * (t - clock[0])).sin_cos()).collect();
+            let power = |values: &[f64]| {
+                let sine: f64 = wave.iter().zip(values).map(|((sine, _), v)| sine * v).sum();
+                let cosine: f64 = wave.iter().zip(values).map(|((_, cosine), v)| cosine * v).sum();
+                2.0 * (cosine * cosine + sine * sine) / n as f64
+            };
+            // Of white values a bin of two numbers has a power of 2, less what fitted directions took out.
+            let freedom = 2.0 - fitted.iter().map(|one| power(one)).sum::<f64>();
             if hertz < edge {
-                (low, low_count) = (low + power, low_count + 2.0);
+                (low, low_count) = (low + power(&values), low_count + freedom);
             } else {
-                (high, high_count) = (high + power, high_count + 2.0);
+                (high, high_count) = (high + power(&values), high_count + freedom);
             }
             bin += 1.0;
         }
     }
-    // The fit has taken its unknowns out of the low band, nearly all.
-    let nuisances: usize = recordings.iter().map(|r| r.prepared.nuisances.len()).sum();
-    let fitted = (0.8 * nuisances as f64 + unknowns).min(0.6 * low_count);
-    let (low_freedom, high_freedom) = (low_count - fitted, high_count);
-    if low_freedom < 4.0 || high_freedom < 4.0 || high <= 0.0 {
+    // What all recordings share is slow, nearly all.
+    let (low_freedom, high_freedom) = (low_count - unknowns.min(0.6 * low_count), high_count);
+    if low_freedom < LEAST_SLOW || high_freedom < LEAST_FAST || high <= 0.0 {
         return None;
     }
     let ratio = (low / low_freedom) / (high / high_freedom);

@@ -11,7 +11,7 @@ use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::orthonormal;
 use crate::statistics::{NORMAL_95, dot};
 
-/// Derivatives of one recording's white residuals by the shared parameters, its nuisance parameters projected out.
+/// Derivatives of one recording's white residuals by the shared parameters, the nuisance parameters that are fitted projected out.
 struct Reduced {
     indices: Vec<usize>,
     columns: Vec<Vec<f64>>,
@@ -20,15 +20,16 @@ struct Reduced {
 
 fn reduced(context: &Context<'_>, model: &Hypothesis) -> Vec<Reduced> {
     let columns = context.joint(&model.structure).columns(&model.fit.point, &model.fit.residuals, Which::ALL);
-    let one = |one: Columns| {
-        let nuisances = orthonormal(one.nuisances);
+    let one = |(recording, one): (&PreparedRecording, Columns)| {
+        let fitted = one.nuisances.into_iter().enumerate().filter(|(i, _)| recording.is_fitted(*i));
+        let nuisances = orthonormal(fitted.map(|(_, column)| column).collect());
         let mut columns = one.shared;
         for column in &mut columns {
             project(&nuisances, column);
         }
         Reduced { indices: one.indices, columns, nuisances }
     };
-    columns.into_iter().map(one).collect()
+    context.recordings().iter().zip(columns).map(one).collect()
 }
 
 /// Takes these directions out of `column`.
@@ -42,12 +43,21 @@ fn project(directions: &[Vec<f64>], column: &mut [f64]) {
 
 /// The scores of all recordings at `model`.
 pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
+    scores_and_nuisances(context, model).0
+}
+
+/// The same, and orthonormal directions in which the nuisance parameters of each recording move its white residuals: shape
+/// `[recording][direction][value]`.
+pub(in crate::diagnose) fn scores_and_nuisances(
+    context: &Context<'_>,
+    model: &Hypothesis,
+) -> (Vec<Score>, Vec<Vec<Vec<f64>>>) {
     let all = context.recordings().iter().zip(reduced(context, model)).zip(&model.fit.residuals);
     let one = |((recording, one), residual): ((&PreparedRecording, Reduced), &Vec<f64>)| {
         let columns: Vec<&[f64]> = one.columns.iter().map(Vec::as_slice).collect();
-        Score::new(recording.index, &one.indices, &columns, residual)
+        (Score::new(recording.index, &one.indices, &columns, residual), one.nuisances)
     };
-    all.map(one).collect()
+    all.map(one).unzip()
 }
 
 /// The same of stretches of the recordings, numbered through.
