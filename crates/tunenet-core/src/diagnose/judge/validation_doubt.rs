@@ -114,7 +114,9 @@ impl Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let text = match self {
-            Self::DiscrepancyRemains => "a discrepancy beyond noise remains that no effect explains",
+            Self::DiscrepancyRemains => {
+                "what these effects leave fails a test for noise, and no other effect explains it"
+            }
             Self::ForecastWorse => "the forecast of held-out recordings gets worse with it",
             Self::ForecastHardlyBetter => "few recordings show it, and something in no catalogue could look the same",
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
@@ -252,6 +254,8 @@ fn unphysical_alone(found: &Selection, best: &Hypothesis) -> Option<OutOfRange> 
 fn forecast_doubt((before, after): (&HeldOut, &HeldOut), fitted: f64, share: f64, recordings: usize) -> Option<Doubt> {
     if after.forecast > before.forecast {
         Some(Doubt::ForecastWorse)
+    } else if after.rmse > before.rmse {
+        Some(Doubt::Unconfirmed)
     } else if recordings <= FEW_RECORDINGS && after.forecast > share * before.forecast {
         Some(Doubt::ForecastHardlyBetter)
     } else if after.rmse > HELD_OUT_OVER_FITTED * fitted {
@@ -283,6 +287,8 @@ mod tests {
             assert_eq!(doubt(&after, true), Some(Doubt::DiscrepancyRemains));
             let worse = HeldOut { forecast: 1.01 * before.forecast, ..after.clone() };
             assert_eq!(doubt(&worse, false), Some(Doubt::ForecastWorse));
+            let unconfirmed = HeldOut { rmse: 1.01 * before.rmse, ..after.clone() };
+            assert_eq!(doubt(&unconfirmed, false), Some(Doubt::Unconfirmed));
             let half = HeldOut { forecast: 0.5 * before.forecast, ..after.clone() };
             let imitated = |share, recordings| forecast_doubt((&before, &half), NOISE_RAD, share, recordings);
             assert_eq!(imitated(0.4, 4), Some(Doubt::ForecastHardlyBetter));
