@@ -36,6 +36,8 @@ pub(in crate::diagnose) struct PerRecordingFits {
     pub estimates: Vec<Estimates>,
     /// Root mean square of what is left of each recording, in units of its noise.
     pub rms: Vec<f64>,
+    /// The lag-1 correlation of the noise.
+    pub lag1: f64,
 }
 
 /// One number as each recording shows it.
@@ -142,7 +144,7 @@ pub(in crate::diagnose) fn fit_per_recording(
     let training = recordings.iter().enumerate().map(as_object).collect();
     let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
     let catalogue = context.catalogue.iter().map(entry).collect();
-    let separate = Context::new(&subjects, evidence, catalogue, context.settings, &context.rollouts);
+    let mut separate = Context::new(&subjects, evidence, catalogue, context.settings, &context.rollouts);
     let effects = &model.structure.effects;
     let structure = separate.structure(effects)?;
     let value = |shared: &SharedParameter| {
@@ -162,14 +164,22 @@ pub(in crate::diagnose) fn fit_per_recording(
         let best = found.best.as_ref().unwrap_or(&found.base);
         return Ok(Some(fits(context, model, (&separate, best))));
     }
-    let close = separate.fit_near_with(effects, &near, COMPARED)?;
-    let found = fits(context, model, (&separate, &close));
+    let mut close = separate.fit_near_with(effects, &near, COMPARED)?;
+    let mut found = fits(context, model, (&separate, &close));
+    // What the recordings share may have left the correlation that was taken for the noise's.
+    let less = |evidence: &Evidence| evidence.noise.lag1() < separate.evidence.noise.lag1();
+    let is_open = !found.adequate && found.odd().is_none();
+    if let Some(evidence) = if is_open { separate.learn_noise(&close)?.filter(less) } else { None } {
+        separate = separate.with_evidence(evidence);
+        close = separate.fit_near_with(effects, &close, COMPARED)?;
+        found = PerRecordingFits { gain: found.gain, ..fits(context, model, (&separate, &close)) };
+    }
     // Standard errors are those of derivatives that were measured.
     if !found.adequate && found.odd().is_none() {
         return Ok(Some(found));
     }
     let best = separate.fit_near(effects, &close)?;
-    Ok(Some(fits(context, model, (&separate, &best))))
+    Ok(Some(PerRecordingFits { gain: found.gain, ..fits(context, model, (&separate, &best)) }))
 }
 
 /// What `best`, in which every recording is an object of its own, says next to `model`, which they share.
@@ -183,6 +193,7 @@ fn fits(context: &Context, model: &Hypothesis, (separate, best): (&Context, &Hyp
         adequate: is_adequate(separate, best),
         estimates: estimates(best, context.recordings().len()),
         rms: best.fit.residuals.iter().map(rms).collect(),
+        lag1: separate.evidence.noise.lag1(),
     }
 }
 
@@ -213,7 +224,7 @@ mod tests {
     fn of(values: &[f64], rms: &[f64]) -> PerRecordingFits {
         let each = values.iter().map(|value| (*value, 0.01)).collect();
         let estimates = vec![Estimates { name: "stiffness".into(), coefficient: false, each }];
-        PerRecordingFits { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec() }
+        PerRecordingFits { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec(), lag1: 0.0 }
     }
 
     /// Q of ±0.1 with errors of 0.01 is 100 each; the moments give the standard deviation back.

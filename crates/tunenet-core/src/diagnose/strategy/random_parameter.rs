@@ -48,7 +48,9 @@ impl Refinement for ParameterDiffers {
             return Ok(attempt);
         }
         let random = RandomParameter { name: one.name.clone(), sd: one.spread() };
-        let context = drawn_anew(&attempt.context, &random);
+        // One value for all recordings may have left the correlation that was taken for the noise's.
+        let evidence = Evidence::clone(&attempt.context.evidence).prewhitened(fits.lag1);
+        let context = drawn_anew(&attempt.context.with_evidence(evidence), &random);
         let mut nuisances = attempt.found.base.fit.point.nuisances.clone();
         for values in &mut nuisances {
             values.push(0.0);
@@ -59,11 +61,7 @@ impl Refinement for ParameterDiffers {
         let base = context.fit_near(&[], &near)?;
         let found = search(&context, base, is_adequate, progress)?;
         let explained = Attempt::tested(context, found, Scope::Whole, None)?;
-        Ok(if explained.residuals.passed() {
-            Attempt { lag1: attempt.lag1, random_parameter: Some(random), ..explained }
-        } else {
-            attempt
-        })
+        Ok(if explained.residuals.passed() { Attempt { random_parameter: Some(random), ..explained } } else { attempt })
     }
 }
 
