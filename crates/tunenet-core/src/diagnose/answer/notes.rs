@@ -238,13 +238,13 @@ fn excluded([before, resting, outliers]: [usize; 3], left: usize) -> Note {
         if percent < 1.0 { with_decimals(percent, 1) } else { with_decimals(percent, 0) }
     };
     let parts = [(before, "by the checks"), (resting, "after the end of the motion"), (outliers, "as outliers")];
-    let parts: Vec<String> = parts
-        .into_iter()
-        .filter(|(part, _)| *part > 0)
-        .map(|(part, why)| format!("{} % {why}", percent(part)))
-        .collect();
+    let parts: Vec<(usize, &str)> = parts.into_iter().filter(|(part, _)| *part > 0).collect();
+    let why = match parts[..] {
+        [(_, why)] => why.to_owned(),
+        _ => parts.iter().map(|(part, why)| format!("{} % {why}", percent(*part))).collect::<Vec<_>>().join(", "),
+    };
     let all = percent(before + resting + outliers);
-    Note::new(findings::SAMPLES_EXCLUDED, format!("{all} % of the samples do not count: {}", parts.join(", ")), "")
+    Note::new(findings::SAMPLES_EXCLUDED, format!("{all} % of the samples do not count: {why}"), "")
 }
 
 /// Notes recordings that are copies of one motion.
@@ -269,6 +269,7 @@ mod tests {
 
     #[test]
     fn what_does_not_count_is_said_with_its_share() {
+        assert_eq!(excluded([0, 120, 0], 280).text, "30 % of the samples do not count: after the end of the motion");
         let text = excluded([0, 120, 4], 276).text;
         assert_eq!(text, "31 % of the samples do not count: 30 % after the end of the motion, 1 % as outliers");
         assert_eq!(
