@@ -11,14 +11,17 @@ use super::pooled;
 use super::price;
 use super::refit::Session;
 use super::response::{Column, INSTANTS, Response};
-use super::space::{Host, Space};
+use super::space::{Host, Space, Visit};
 use crate::Result;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::{Point, RolloutLog};
 use crate::simulator::{Effect, Prepared};
+use crate::statistics::dot;
 
 /// A force of which the named effects can do all but this share (of squares) is one of them in other words.
 const SAME: f64 = 0.01;
+/// A unit direction whose rest without one axis is shorter than this is along that axis.
+const LEAST_REST: f64 = 1e-6;
 
 /// What forces and drifts say of effects that were named.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +76,7 @@ pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], kno
         let gain = price::likelihood(session.count, without.squares, named.squares);
         let others = [
             force(host.space(), &without, named),
+            flattened(host.space(), &without, named),
             push(host.space(), &without, named, &pushes),
             drift(&without, named, &drifts),
         ];
@@ -119,6 +123,28 @@ fn force(space: &Space, without: &Response, named: &Response) -> Option<f64> {
     };
     let bic = |force: &Candidate| force.score - price::score(0.0, price::bits(space, search.kinds, &force.terms));
     search.singles().iter().filter(|force| is_other(force)).map(bic).reduce(f64::max)
+}
+
+/// The same of the best force of constant size along the rest of a direction that lacks one axis, as of a brake that acts along the floor.
+fn flattened(space: &Space, without: &Response, named: &Response) -> Option<f64> {
+    let is_axis = |direction: &usize| space.axes.contains(direction);
+    let is_single = |direction: &usize| space.directions[*direction].components.len() == 1;
+    let directions = (0..space.directions.len()).filter(|one| !is_axis(one) && is_single(one));
+    let rests = directions.flat_map(|direction| (0..space.axes.len()).map(move |lacking| (direction, lacking)));
+    let each = rests.filter_map(|(direction, lacking)| {
+        let along = |visit: &Visit| {
+            let mut rest = visit.components[direction][0].clone();
+            rest[lacking] = 0.0;
+            let length = dot(&rest, &rest).sqrt();
+            // A direction along the axis it lacks has no rest.
+            if length > LEAST_REST { rest.iter().map(|one| one / length).collect() } else { vec![0.0; rest.len()] }
+        };
+        let column = without.accelerated(along);
+        let (gain, _) = solved(&[&column], &without.left)?;
+        let likelihood = price::likelihood(without.count, without.squares, without.squares - gain);
+        (!is_known(&column, &named.accelerated(along))).then(|| price::bic(likelihood, without.count, 1))
+    });
+    each.reduce(f64::max)
 }
 
 /// The same of the best push that acts for a moment at every contact, as of a floor that moves along.

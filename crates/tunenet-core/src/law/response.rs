@@ -282,6 +282,22 @@ impl Response {
         (0..components).map(one).collect()
     }
 
+    /// What an acceleration changes that has these components along the axes where the middle of each piece is.
+    pub fn accelerated(&self, along: impl Fn(&Visit) -> Vec<f64>) -> Column {
+        let mut coordinates = Vec::new();
+        let mut explained = DVector::zeros(self.left.explained.len());
+        for part in &self.parts {
+            let mut sum = DVector::zeros(part.residual.len());
+            for (piece, visit) in part.visits.iter().enumerate() {
+                let along = along(visit);
+                part.axes.iter().zip(along).for_each(|(axis, by)| sum.axpy(by, &axis.column(piece), 1.0));
+            }
+            explained += &part.explained * &sum;
+            coordinates.extend(sum.iter());
+        }
+        Column { coordinates: DVector::from_vec(coordinates), explained }
+    }
+
     /// What a change of the predictions of each recording, in units of the noise, is next to initial states and parameters: a column in the
     /// values themselves.
     pub fn changed(&self, change: &[Vec<f64>]) -> Column {

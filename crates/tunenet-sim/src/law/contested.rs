@@ -120,53 +120,71 @@ ball.radius_m = 0.02
 value = 0.8
 min = 0.0
 max = 1.0
-
-[effects.wind]
-ax_m_s2 = 0.2
-ay_m_s2 = 0.0
 ";
 
     /// A flight of 0.7 s that does not reach the floor, from `z` (m) and upwards with `vz` (m/s), pushed sideways by wind · (1 + shear · z).
     fn flight(seed: u64, (z, vz): (f64, f64), (wind_m_s2, shear_1_m): (f64, f64)) -> Observation {
-        let mut draw = ChaCha8Rng::seed_from_u64(seed);
-        let clock: Vec<f64> = (0..84_u32).map(|k| f64::from(k) / 120.0).collect();
         let at = |t: f64| {
             let height = z + vz * t - 0.5 * GRAVITY_M_S2 * t * t;
             // The double integral of the height.
             let twice = z * t.powi(2) / 2.0 + vz * t.powi(3) / 6.0 - GRAVITY_M_S2 * t.powi(4) / 24.0;
             [0.5 * t + wind_m_s2 * (0.5 * t * t + shear_1_m * twice), 0.3 * t, height]
         };
+        noisy(seed, &at)
+    }
+
+    /// A flight of 0.7 s at 1.5 m/s along the floor, which a constant force along it brakes (m/s²), heading `turn_rad`.
+    fn braked(seed: u64, turn_rad: f64, brake_m_s2: f64) -> Observation {
+        noisy(seed, &|t| {
+            let along = 1.5 * t - 0.5 * brake_m_s2 * t * t;
+            [along * turn_rad.cos(), along * turn_rad.sin(), 5.0 + t - 0.5 * GRAVITY_M_S2 * t * t]
+        })
+    }
+
+    fn noisy(seed: u64, at: &dyn Fn(f64) -> [f64; 3]) -> Observation {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let clock: Vec<f64> = (0..84_u32).map(|k| f64::from(k) / 120.0).collect();
         let rows: Vec<[f64; 3]> =
             clock.iter().map(|t| at(*t).map(|x| x + NOISE_M * draw.sample::<f64, _>(StandardNormal))).collect();
         Observation::positions(clock, &rows).unwrap()
     }
 
-    fn contest_of(truth: (f64, f64)) -> Contest {
-        let file = SimulationFile::parse(Path::new("flight.toml"), SCENE).unwrap();
-        let host = host(&[&file], Kind::Positions, &["wind"]).unwrap().unwrap();
+    /// Of one effect at these values.
+    fn contest_of(name: &str, values: &str, seen: &[Observation]) -> Contest {
+        let with = SimulationFile::parse(Path::new("flight.toml"), &format!("{SCENE}\n[effects.{name}]\n{values}"));
+        let host = host(&[&with.unwrap()], Kind::Positions, &[name]).unwrap().unwrap();
         let simulator = host.carrying(&[]).unwrap();
-        let starts = [(5.0, 1.0), (3.0, 0.0), (8.0, -1.0)];
-        let recordings: Vec<Prepared> = starts
-            .into_iter()
-            .zip(7..)
-            .map(|(start, seed)| match simulator.prepare(&flight(seed, start, truth)).unwrap() {
-                Preparation::Usable(prepared) => *prepared,
-                Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
-            })
-            .collect();
-        let without = SimulationFile::parse(Path::new("flight.toml"), SCENE.split("[effects").next().unwrap()).unwrap();
+        let prepared = |one: &Observation| match simulator.prepare(one).unwrap() {
+            Preparation::Usable(prepared) => *prepared,
+            Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+        };
+        let recordings: Vec<Prepared> = seen.iter().map(prepared).collect();
+        let without = SimulationFile::parse(Path::new("flight.toml"), SCENE).unwrap();
         let all =
             crate::law::host(&[&without], Kind::Positions, &[]).unwrap().unwrap().carrying(&[]).unwrap().effects();
-        let wind: Vec<Effect> = all.into_iter().filter(|effect| effect.name == "wind").collect();
-        contest(host.as_ref(), &wind, &recordings, None).unwrap()
+        let named: Vec<Effect> = all.into_iter().filter(|effect| effect.name == name).collect();
+        contest(host.as_ref(), &named, &recordings, None).unwrap()
     }
 
     #[test]
     fn a_wind_that_grows_with_height_is_not_left_to_a_steady_wind() {
+        let contest_of = |truth: (f64, f64)| {
+            let starts = [(5.0, 1.0), (3.0, 0.0), (8.0, -1.0)];
+            let seen: Vec<Observation> =
+                starts.into_iter().zip(7..).map(|(start, seed)| flight(seed, start, truth)).collect();
+            contest_of("wind", "ax_m_s2 = 0.2\nay_m_s2 = 0.0", &seen)
+        };
         let steady = contest_of((0.5, 0.0));
         assert!(steady.ahead.is_some_and(|ahead| ahead < -Settings::default().margin), "{steady:?}");
         assert!(steady.left_force_nats < 1.0 && steady.compared == 1, "{steady:?}");
         let sheared = contest_of((0.1, 1.0));
         assert!(sheared.ahead.is_some_and(|ahead| ahead > 0.0), "{sheared:?}");
+    }
+
+    #[test]
+    fn a_constant_brake_along_the_floor_is_not_left_to_drag() {
+        let seen = [(0.3, 7), (2.4, 8), (4.5, 9)].map(|(turn, seed)| braked(seed, turn, 0.5));
+        let found = contest_of("linear_drag", "b_1_s = 0.1", &seen);
+        assert!(found.ahead.is_some_and(|ahead| ahead > 0.0), "{found:?}");
     }
 }
