@@ -159,8 +159,13 @@ impl Answer<'_> {
 
     /// Rollouts of the diagnosis and of the search for a law.
     pub fn rollouts(&self) -> usize {
+        self.diagnosis.rollouts + self.rollouts_for_law()
+    }
+
+    /// Those of the search for a law.
+    pub fn rollouts_for_law(&self) -> usize {
         let law = self.law.and_then(|law| law.found.as_ref().ok());
-        self.diagnosis.rollouts + law.map_or(0, |found| found.answer.rollouts)
+        law.map_or(0, |found| found.answer.rollouts)
     }
 
     /// How long the diagnosis and the search for a law took, s.

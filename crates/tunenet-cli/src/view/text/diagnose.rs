@@ -142,7 +142,11 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
             format!("{out} not written: {why}; ")
         }
     };
-    let rollouts = rolled_out(answer.rollouts(), answer.re_asks);
+    let mut rollouts = rolled_out(answer.rollouts(), answer.re_asks);
+    let for_law = answer.rollouts_for_law();
+    if for_law > 0 {
+        rollouts += &[" (", &for_law.to_string(), " of them in the search for a formula)"].concat();
+    }
     note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", answer.all_seconds()));
 }
 
