@@ -62,11 +62,10 @@ pub fn table(row: DiagnoseRow, trials: &[BlindTrial]) -> DiagnoseTable {
         DiagnoseRow::Two => two(&answered),
         DiagnoseRow::Outside => outside(&answered),
         DiagnoseRow::Formulas => formulas(&answered),
-        DiagnoseRow::Three
-        | DiagnoseRow::WrongMass
-        | DiagnoseRow::OddBall
-        | DiagnoseRow::Scatter
-        | DiagnoseRow::Plane => troubled(&answered),
+        DiagnoseRow::Three | DiagnoseRow::WrongMass | DiagnoseRow::OddBall | DiagnoseRow::Scatter => {
+            troubled(&answered)
+        }
+        DiagnoseRow::Plane => plane(&answered),
         row => single(row, &answered),
     };
     DiagnoseTable { row: row.name(), title: row.title(), columns, lines, goals, confusion: confusion(&answered) }
@@ -289,6 +288,18 @@ fn formulas(trials: &[&BlindTrial]) -> Parts {
 fn troubled(trials: &[&BlindTrial]) -> Parts {
     let goal = at_most("wrong lone name, %", goals::WRONG_NAME, share(trials, &[Mark::Wrong]));
     (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goal.into_iter().collect())
+}
+
+/// The same with a line for sets in which nothing is hidden, and one for the others.
+fn plane(trials: &[&BlindTrial]) -> Parts {
+    let (clean, acting): (Vec<&BlindTrial>, Vec<&BlindTrial>) = trials.iter().partition(|t| t.truth.is_empty());
+    let line = |(label, those): (&str, &[&BlindTrial])| DiagnoseLine {
+        label: label.into(),
+        numbers: std::iter::once(those.len() as f64).chain(marks(those)).collect(),
+    };
+    let lines = [("nothing hidden", clean.as_slice()), ("one effect", acting.as_slice())].map(line);
+    let (columns, _, goals) = troubled(trials);
+    (columns, lines.to_vec(), goals)
 }
 
 /// Pairs of the truth and another candidate that is no twin of it, before the experiment and after.

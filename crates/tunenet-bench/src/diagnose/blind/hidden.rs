@@ -62,6 +62,8 @@ pub enum EffectKind {
     Pulse,
     /// A floor that moves along: every bounce adds the same speed sideways.
     Conveyor,
+    /// A brake of constant force against the motion along the floor.
+    LevelBrake,
 }
 
 impl EffectKind {
@@ -90,7 +92,7 @@ impl EffectKind {
     ];
 
     /// Effects that no catalogue names.
-    pub const OUTSIDE: [Self; 20] = [
+    pub const OUTSIDE: [Self; 21] = [
         Self::Fan,
         Self::Magnet,
         Self::Wear,
@@ -111,6 +113,7 @@ impl EffectKind {
         Self::PictureRoll,
         Self::Pulse,
         Self::Conveyor,
+        Self::LevelBrake,
     ];
 
     /// Effects of no catalogue that a formula in a user's file describes; `ask` writes them.
@@ -159,6 +162,7 @@ impl EffectKind {
             Self::PictureRoll => "picture_roll",
             Self::Pulse => "pulse",
             Self::Conveyor => "conveyor",
+            Self::LevelBrake => "level_brake",
         }
     }
 
@@ -166,7 +170,7 @@ impl EffectKind {
     pub fn greatest(self) -> f64 {
         match self {
             Self::QuadraticDrag | Self::LateDrag => 1.0,
-            Self::LinearDrag | Self::EffectiveGravity | Self::ConstantBrake => 2.5,
+            Self::LinearDrag | Self::EffectiveGravity | Self::ConstantBrake | Self::LevelBrake => 2.5,
             Self::Wind | Self::Shear => 4.0,
             Self::Magnus | Self::Fan | Self::SignedSpin | Self::Jet | Self::Gust | Self::Vortex => 6.0,
             Self::SpeedDependentRestitution => 0.4,

@@ -64,6 +64,7 @@ impl BallWorld {
                     times(plus(post, x, -1.0), size)
                 }
                 EffectKind::ConstantBrake => times(v, -size / length(v).max(0.01)),
+                EffectKind::LevelBrake => times([v[0], v[1], 0.0], -size / v[0].hypot(v[1]).max(0.01)),
                 EffectKind::Gust => {
                     let blow = (TAU * GUST_HZ * t + PI * own[0]).sin();
                     [blow * hidden.level()[0], blow * hidden.level()[1], 0.0]
