@@ -246,6 +246,21 @@ pub(super) mod tests {
         }
     }
 
+    /// Of three parameters at 0, 2 and 5 those at 2 and 5 stay, as the first and the second.
+    #[test]
+    fn columns_that_are_kept_are_numbered_anew() {
+        let all = Columns {
+            indices: vec![0, 2, 5],
+            shared: vec![vec![1.0], vec![2.0], vec![5.0]],
+            nuisances: vec![vec![9.0]],
+        };
+        let kept = all.at(&[2, 4, 5]);
+        assert_eq!(
+            (kept.indices, kept.shared, kept.nuisances),
+            (vec![0, 2], vec![vec![2.0], vec![5.0]], vec![vec![9.0]])
+        );
+    }
+
     #[test]
     fn channels_apart_share_a_rollout_and_what_crosses_is_left_out() {
         let derivatives = |share: f64| {

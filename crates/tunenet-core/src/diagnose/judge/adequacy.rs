@@ -320,6 +320,17 @@ mod tests {
         });
     }
 
+    /// Nothing is missing: what the fit took out of the slow band is not looked for there.
+    #[test]
+    fn white_noise_after_a_fit_is_as_strong_slow_as_fast() {
+        in_swings(&[], 12, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let tests = residual_diagnostics(context, &base).tests;
+            let found = tests.iter().find(|test| test.name == "slow against fast residual").unwrap();
+            assert!((0.85..1.15).contains(&found.value), "{found:?}");
+        });
+    }
+
     #[test]
     fn another_pendulum_among_the_recordings_is_heterogeneous() {
         let seen: Vec<_> = (0..4).map(|k| swing(&[("length", if k == 3 { 0.81 } else { 0.8 })], k)).collect();
