@@ -17,15 +17,15 @@ pub(in crate::diagnose) struct Sample {
 }
 
 impl Evidence {
-    /// Recordings evenly distributed over all; `None` where there are few, or several objects.
-    pub fn sample(&self) -> Option<Sample> {
+    /// Recordings evenly distributed over all, so many times the least; `None` where there are few for that, or several objects.
+    pub fn sample(&self, times: usize) -> Option<Sample> {
         let mut all = self.training.iter().chain(&self.validation);
         let first = self.training.first()?;
-        if self.training.len() < MANY || !all.all(|recording| recording.object == first.object) {
+        if self.training.len() < times * MANY || !all.all(|recording| recording.object == first.object) {
             return None;
         }
-        let fitted = evenly(self.training.len(), FITTED);
-        let held_out = evenly(self.validation.len(), HELD_OUT);
+        let fitted = evenly(self.training.len(), times * FITTED);
+        let held_out = evenly(self.validation.len(), times * HELD_OUT);
         let evidence = Self {
             training: fitted.iter().map(|&i| self.training[i].clone()).collect(),
             validation: held_out.iter().map(|&i| self.validation[i].clone()).collect(),
@@ -43,12 +43,13 @@ mod tests {
     #[test]
     fn only_many_recordings_are_sampled() {
         in_swings(&[], 30, 6, |context| {
-            let sample = context.evidence.sample().unwrap();
+            let sample = context.evidence.sample(1).unwrap();
             assert_eq!((sample.evidence.training.len(), sample.evidence.validation.len()), (FITTED, HELD_OUT));
             let indices: Vec<usize> = sample.evidence.training.iter().map(|one| one.index).collect();
             let wanted: Vec<usize> = sample.fitted.iter().map(|&i| context.evidence.training[i].index).collect();
             assert_eq!(indices, wanted);
+            assert!(context.evidence.sample(2).is_none(), "24 recordings are few for 16 of them");
         });
-        in_swings(&[], 30, 10, |context| assert!(context.evidence.sample().is_none()));
+        in_swings(&[], 30, 10, |context| assert!(context.evidence.sample(1).is_none()));
     }
 }

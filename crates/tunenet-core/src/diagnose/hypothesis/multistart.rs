@@ -139,7 +139,7 @@ pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Res
 /// The fit of a sample of many recordings, continued in all of them. `None` where there are few, or where it leaves more of all than of the
 /// sample.
 fn fit_from_a_sample<'a>(context: &Context<'a>) -> Result<Option<Hypothesis<'a>>> {
-    let Some(Sample { evidence, fitted }) = context.evidence.sample().filter(|_| context.shows_free_motions()) else {
+    let Some(Sample { evidence, fitted }) = context.evidence.sample(1).filter(|_| context.shows_free_motions()) else {
         return Ok(None);
     };
     let few = fit_without_effects(&context.with_evidence(evidence))?;

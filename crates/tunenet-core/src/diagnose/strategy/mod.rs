@@ -208,10 +208,23 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         return explain_discrepant(context, progress);
     }
     let attempt = Attempt::tuned(context)?;
-    match in_a_sample(&attempt, progress)? {
-        Some(found) => Ok(found),
-        None => refined(attempt, progress),
+    // What is left shows in more recordings where it is small.
+    for times in [1, 2] {
+        match in_a_sample(&attempt, times, progress)? {
+            InSample::Found(found) => return Ok(*found),
+            InSample::TooFew => {}
+            InSample::NotAlike => break,
+        }
     }
+    refined(attempt, progress)
+}
+
+/// What a sample of many recordings says of all: what it shows, fitted to all; that more recordings are needed, as effects explain the sample
+/// and not all, or all of it but one recording; or nothing.
+enum InSample<'a> {
+    Found(Box<Attempt<'a>>),
+    TooFew,
+    NotAlike,
 }
 
 /// By every refinement that applies.
@@ -225,19 +238,18 @@ fn refined<'a>(mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<
     Ok(attempt)
 }
 
-/// What is missing from many recordings as a sample of them shows it, fitted to all. `None` where the simulation as it is explains them,
-/// where effects explain the sample and not all, or the other way round, and where another effect explains all better.
-fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Attempt<'a>>> {
+/// What is missing from many recordings as a sample of them, so many times the least, shows it, fitted to all.
+fn in_a_sample<'a>(attempt: &Attempt<'a>, times: usize, progress: &dyn Fn(Progress)) -> Result<InSample<'a>> {
     let context = &attempt.context;
-    let Some(Sample { evidence, .. }) = context.evidence.sample() else { return Ok(None) };
+    let Some(Sample { evidence, .. }) = context.evidence.sample(times) else { return Ok(InSample::NotAlike) };
     if context.settings.quick || !context.shows_free_motions() || is_adequate(context, attempt.last()) {
-        return Ok(None);
+        return Ok(InSample::NotAlike);
     }
     let few = context.with_evidence(evidence);
     let base = fit_without_effects(&few)?;
     let sampled = refined(Attempt::started(few, base), progress)?;
     if !sampled.is_plain() {
-        return Ok(None);
+        return Ok(if sampled.odd.is_some() { InSample::TooFew } else { InSample::NotAlike });
     }
     let before = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(sampled.lag1));
     let (mut all, last) = (before.clone(), sampled.last());
@@ -246,7 +258,7 @@ fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result
     let effort = if is_explained { COMPARED } else { ROUGH };
     model = all.fit_near_with(&last.structure.effects, &model, effort)?;
     if sampled.context.event_effects.is_some() {
-        let Some((drawn, near)) = with_draws_of_all(&all, &model)? else { return Ok(None) };
+        let Some((drawn, near)) = with_draws_of_all(&all, &model)? else { return Ok(InSample::NotAlike) };
         model = drawn.fit_near_with(&last.structure.effects, &near, effort)?;
         all = drawn;
     }
@@ -255,17 +267,17 @@ fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result
         model = all.fit_near_with(&last.structure.effects, &model, effort)?;
     }
     if is_adequate(&all, &model) != is_explained {
-        return Ok(None);
+        return Ok(if is_explained { InSample::TooFew } else { InSample::NotAlike });
     }
     if is_explained {
         model = all.fit_near(&last.structure.effects, &model)?;
     }
-    let Some(selected) = selected_in_all(&all, &model, &sampled)? else { return Ok(None) };
+    let Some(selected) = selected_in_all(&all, &model, &sampled)? else { return Ok(InSample::NotAlike) };
     // What was compared in the sample gains in proportion to the number of values.
-    let times = all.count() as f64 / sampled.context.count() as f64;
+    let share = all.count() as f64 / sampled.context.count() as f64;
     let alone = sampled.found.alone.iter().map(|one| CandidateFit {
         excluded: one.excluded.clone(),
-        ..CandidateFit::unfitted(one.entry, one.gain * times)
+        ..CandidateFit::unfitted(one.entry, one.gain * share)
     });
     let base = before.fit_near(&[], &attempt.found.base)?;
     let best = sampled.found.best.is_some().then_some(model);
@@ -273,11 +285,13 @@ fn in_a_sample<'a>(attempt: &Attempt<'a>, progress: &dyn Fn(Progress)) -> Result
     if sampled.practical.is_some() {
         let tested = Attempt::tested(all, Selection::tuned(found.base.again(&before)?), Scope::Whole, None)?;
         let second = kept_with_inflated_noise(&before, found, tested.floor)?;
-        return Ok(second.passes().then(|| tested.replaced(second)));
+        let passed = second.passes().then(|| Box::new(tested.replaced(second)));
+        return Ok(passed.map_or(InSample::NotAlike, InSample::Found));
     }
     let of_base = if sampled.context.event_effects.is_some() { validate(&before, &found.base)? } else { None };
     let tested = Attempt::tested(all, found, Scope::Whole, None)?;
-    Ok(Some(Attempt { before: of_base.or(tested.before), control: sampled.control, ..tested }))
+    let found = Attempt { before: of_base.or(tested.before), control: sampled.control, ..tested };
+    Ok(InSample::Found(Box::new(found)))
 }
 
 /// The effects of a sample in all recordings, where `model` has them: what could be in their place is fitted to all. `None` where something
@@ -468,7 +482,7 @@ mod tests {
         });
         in_swings(&[], 40, 8, |context| {
             let tuned = Attempt::tuned(context).unwrap();
-            assert!(in_a_sample(&tuned, &|_| {}).unwrap().is_none());
+            assert!(matches!(in_a_sample(&tuned, 1, &|_| {}).unwrap(), InSample::NotAlike));
         });
     }
 
