@@ -6,5 +6,6 @@ mod contacts_alone;
 mod effects;
 mod formulas;
 mod gripping;
+mod jets;
 mod laws;
 mod real;

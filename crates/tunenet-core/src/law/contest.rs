@@ -43,6 +43,57 @@ pub struct Contest {
 /// # Errors
 /// Where the simulator refuses the recordings there.
 pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], known: Option<&Point>) -> Result<Contest> {
+    let simulator = host.carrying(&[])?;
+    linearised(host, recordings, known, |session, around, rollouts| {
+        let left = session.cleaned(&session.base.residuals);
+        let left_force_nats = residual_force(&around.response, &left, &around.columns, Shared::Free);
+        let absent = |effect: &Effect, parameter: usize| {
+            let name = &simulator.parameters()[parameter].name;
+            let own = (0..effect.coefficients.len()).find(|&i| effect.parameter_name(i) == *name)?;
+            Some((parameter, effect.coefficients[own].absent))
+        };
+        let of = |effect: &Effect| session.free.iter().filter_map(|&i| absent(effect, i)).collect::<Vec<_>>();
+        let each: Vec<Vec<(usize, f64)>> = effects.iter().map(of).filter(|own| !own.is_empty()).collect();
+        let all = (each.len() > 1).then(|| each.concat());
+        let named = &around.response;
+        let ahead = each.iter().chain(&all).filter_map(|own| {
+            let without = without(session, &around.columns, own, named);
+            let gain = price::likelihood(session.count, without.squares, named.squares);
+            let best = best_other(host.space(), session, &without, named, recordings);
+            best.map(|other| other - price::bic(gain, session.count, own.len()))
+        });
+        Contest { left_force_nats, ahead: ahead.reduce(f64::max), compared: each.len(), rollouts }
+    })
+}
+
+/// How much the best force of one factor, push at contacts or drift of the measurement explains that the simulation of `host` leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strongest {
+    /// What it gains by the criterion of Schwarz, in twice the logarithmic likelihood; `None` where nothing can be fitted.
+    pub bic_gain: Option<f64>,
+    /// Rollouts that this took.
+    pub rollouts: usize,
+}
+
+/// The best of what no catalogue holds, for effects without coefficients that could be compared with it one by one: random effects, whose draws
+/// take up what a force would explain. `host` simulates without them. A fit of all ended at `known`, if any did.
+///
+/// # Errors
+/// Where the simulator refuses the recordings there.
+pub fn strongest(host: &dyn Host, recordings: &[Prepared], known: Option<&Point>) -> Result<Strongest> {
+    linearised(host, recordings, known, |session, around, rollouts| {
+        let response = &around.response;
+        Strongest { bic_gain: best_other(host.space(), session, response, response, recordings), rollouts }
+    })
+}
+
+/// What `of` says of the fit of all recordings, in the colour of what it leaves, and of the response about it; its last argument counts rollouts.
+fn linearised<T>(
+    host: &dyn Host,
+    recordings: &[Prepared],
+    known: Option<&Point>,
+    of: impl FnOnce(&Session, &Around, usize) -> T,
+) -> Result<T> {
     let log = RolloutLog::default();
     let white = pooled(recordings, &[]);
     let first = match known {
@@ -57,34 +108,24 @@ pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], kno
         Session::again(host, recordings, (&noise, colour, &first.base.point), &log)?
     };
     let around = Around::base(&session, &log)?;
-    let left = session.cleaned(&session.base.residuals);
-    let left_force_nats = residual_force(&around.response, &left, &around.columns, Shared::Free);
-    let simulator = host.carrying(&[])?;
-    let absent = |effect: &Effect, parameter: usize| {
-        let name = &simulator.parameters()[parameter].name;
-        let own = (0..effect.coefficients.len()).find(|&i| effect.parameter_name(i) == *name)?;
-        Some((parameter, effect.coefficients[own].absent))
-    };
-    let of = |effect: &Effect| session.free.iter().filter_map(|&i| absent(effect, i)).collect::<Vec<_>>();
-    let each: Vec<Vec<(usize, f64)>> = effects.iter().map(of).filter(|own| !own.is_empty()).collect();
-    let all = (each.len() > 1).then(|| each.concat());
-    let named = &around.response;
-    let pushes = pushes(named, recordings);
-    let drifts = drifts(recordings, session.noise, &session.base.residuals);
-    let ahead = each.iter().chain(&all).filter_map(|own| {
-        let without = without(&session, &around.columns, own, named);
-        let gain = price::likelihood(session.count, without.squares, named.squares);
-        let others = [
-            force(host.space(), &without, named),
-            flattened(host.space(), &without, named),
-            push(host.space(), &without, named, &pushes),
-            drift(&without, named, &drifts),
-        ];
-        let best = others.into_iter().flatten().reduce(f64::max);
-        best.map(|other| other - price::bic(gain, session.count, own.len()))
-    });
-    let ahead = ahead.reduce(f64::max);
-    Ok(Contest { left_force_nats, ahead, compared: each.len(), rollouts: log.count() })
+    Ok(of(&session, &around, log.count()))
+}
+
+/// What the best of a force, a push and a drift gains over `without` by the criterion of Schwarz, those aside that the effects of `named` can do.
+fn best_other(
+    space: &Space,
+    session: &Session,
+    without: &Response,
+    named: &Response,
+    recordings: &[Prepared],
+) -> Option<f64> {
+    let others = [
+        force(space, without, named),
+        flattened(space, without, named),
+        push(space, without, named, &pushes(named, recordings)),
+        drift(without, named, &drifts(recordings, session.noise, &session.base.residuals)),
+    ];
+    others.into_iter().flatten().reduce(f64::max)
 }
 
 /// The response where the parameters `own` have the values that mean "absent", and nothing else has moved.
@@ -248,6 +289,25 @@ mod tests {
         let found = contest_of(&|v0, t| (v0 + fall) * (1.0 - (-b * t).exp()) / b - fall * t);
         assert!(found.ahead.is_some_and(|ahead| ahead < 0.0) && found.compared == 1, "{found:?}");
         assert!(found.left_force_nats < 1.0 && found.rollouts < 500, "{found:?}");
+    }
+
+    /// A pure fall, and x(t) = v0 t − g t²/2 + a(1 − cos ωt)/ω² of a force a cos ωt.
+    #[test]
+    fn a_force_that_is_left_out_explains_much_and_noise_little() {
+        let strongest_of = |path_m: &dyn Fn(f64) -> f64| {
+            let host = Line::new();
+            let prepared = |seed: u64| match host.simulator().prepare(&observed(1.5, 1e-3, seed, path_m)).unwrap() {
+                Preparation::Usable(prepared) => *prepared,
+                Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+            };
+            let recordings: Vec<Prepared> = [3, 4, 5].into_iter().map(prepared).collect();
+            strongest(&host, &recordings, None).unwrap()
+        };
+        let fall = |t: f64| 2.0 * t - 0.5 * GRAVITY_M_S2 * t * t;
+        let noise = strongest_of(&fall);
+        assert!(noise.bic_gain.is_some_and(|gain| gain < 6.0) && noise.rollouts < 500, "{noise:?}");
+        let forced = strongest_of(&|t| fall(t) + 0.5 * (1.0 - (3.0 * t).cos()) / 9.0);
+        assert!(forced.bic_gain.is_some_and(|gain| gain > 100.0), "{forced:?}");
     }
 
     /// A spring to the start: x(t) = (v0/ω) sin ωt − (g/ω²)(1 − cos ωt).

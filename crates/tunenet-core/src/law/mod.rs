@@ -69,7 +69,7 @@ mod term;
 mod tests;
 
 pub use answer::{Answer, Followed, FoundTerm, Member, Number, Refused, Rounded, Verdict};
-pub use contest::{Contest, contest};
+pub use contest::{Contest, Strongest, contest, strongest};
 pub use course::{Bin, Course, Sample};
 pub use gates::{
     CHANCE, Failure, Gates, LEAST_PROBABILITY, LIKELY_FORCE_NATS, MOST_FORCE_NATS, MOST_HELD_OUT,
