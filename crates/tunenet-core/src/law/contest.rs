@@ -23,6 +23,9 @@ const SAME: f64 = 0.01;
 /// A unit direction whose rest without one axis is shorter than this is along that axis.
 const LEAST_REST: f64 = 1e-6;
 
+/// Of so many of the best forces of one factor a second one is searched.
+const PAIRED: usize = 3;
+
 /// What forces and drifts say of effects that were named.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contest {
@@ -154,16 +157,31 @@ fn is_known(without: &Column, named: &Column) -> bool {
     named.dot(named) <= SAME * without.dot(without)
 }
 
-/// What the best force of one factor gains by the criterion of Schwarz, those aside that the effects of `named` can do.
+/// What the best force of one factor gains by the criterion of Schwarz, those aside that the effects of `named` can do. Of two forces, as of a
+/// wind that turns about a place, the bits that chose the second count as well.
 fn force(space: &Space, without: &Response, named: &Response) -> Option<f64> {
     let (search, known) = (Search::new(space, without), Search::new(space, named));
-    let is_other = |force: &Candidate| {
-        let (term, numbers) = (&force.terms[0], &force.numbers[0]);
-        let sum = |search: &Search| Column::sum(&search.columns(term, numbers), &numbers[..term.components]);
-        sum(&search).zip(sum(&known)).is_some_and(|(without, named)| !is_known(&without, &named))
+    // What these forces change together, and whether the named effects can.
+    let is_other = |forces: &[&Candidate]| {
+        let of = |search: &Search| -> Vec<Column> {
+            forces.iter().flat_map(|force| search.columns(&force.terms[0], &force.numbers[0])).collect()
+        };
+        let columns = of(&search);
+        let all: Vec<&Column> = columns.iter().collect();
+        let sizes = solved(&all, &without.left).map(|(_, sizes)| sizes);
+        let sum = |columns: &[Column]| Column::sum(columns, sizes.as_ref()?);
+        sum(&columns).zip(sum(&of(&known))).is_some_and(|(without, named)| !is_known(&without, &named))
     };
     let bic = |force: &Candidate| force.score - price::score(0.0, price::bits(space, search.kinds, &force.terms));
-    search.singles().iter().filter(|force| is_other(force)).map(bic).reduce(f64::max)
+    let singles = search.singles();
+    let best = singles.iter().filter(|force| is_other(&[force])).map(bic).reduce(f64::max);
+    let pairs = singles.iter().take(PAIRED).filter_map(|first| {
+        let mut search = Search::new(space, without);
+        search.known = search.columns(&first.terms[0], &first.numbers[0]);
+        let second = search.singles().into_iter().next()?;
+        is_other(&[first, &second]).then(|| second.score - price::numbers(without.count, &first.terms))
+    });
+    pairs.chain(best).reduce(f64::max)
 }
 
 /// The same of the best force of constant size along the rest of a direction that lacks one axis, as of a brake that acts along the floor.

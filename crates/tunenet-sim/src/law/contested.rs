@@ -236,6 +236,30 @@ max = 1.0
         assert!(sheared.ahead.is_some_and(|ahead| ahead > 0.0), "{sheared:?}");
     }
 
+    /// A wind that turns about the origin, ẅ = i k w of w = x + i y: w(t) = w0 cosh λt + w'0 sinh(λt)/λ with λ = (1 + i) √(k/2).
+    fn turning(seed: u64, [x, y]: [f64; 2], [u, v]: [f64; 2], k_1_s2: f64) -> Observation {
+        let rate = (k_1_s2 / 2.0).sqrt();
+        noisy(seed, &|t| {
+            let (a, (sin, cos)) = (rate * t, (rate * t).sin_cos());
+            let (even, odd) = ([a.cosh() * cos, a.sinh() * sin], [a.sinh() * cos, a.cosh() * sin]);
+            // Division by (1 + i) √(k/2).
+            let odd = [(odd[0] + odd[1]) / (2.0 * rate), (odd[1] - odd[0]) / (2.0 * rate)];
+            let along = |[p, q]: [f64; 2]| x * p - y * q;
+            let across = |[p, q]: [f64; 2]| x * q + y * p;
+            let moved = [u * odd[0] - v * odd[1], u * odd[1] + v * odd[0]];
+            [along(even) + moved[0], across(even) + moved[1], 5.0 + t - 0.5 * GRAVITY_M_S2 * t * t]
+        })
+    }
+
+    #[test]
+    fn a_wind_that_turns_about_a_place_is_not_left_to_a_spin() {
+        let starts = [([0.5, 0.1], [0.9, 0.2]), ([-0.3, 0.4], [0.4, -0.9]), ([0.1, -0.6], [-0.6, 0.5])];
+        let seen: Vec<Observation> =
+            starts.into_iter().zip(7..).map(|((at, way), seed)| turning(seed, at, way, 0.8)).collect();
+        let found = contest_of("magnus", "sx_1_s = 0.1\nsy_1_s = 0.0\nsz_1_s = 0.0", &seen);
+        assert!(found.ahead.is_some_and(|ahead| ahead > 0.0), "{found:?}");
+    }
+
     #[test]
     fn a_constant_brake_along_the_floor_is_not_left_to_drag() {
         let seen = [(0.3, 7), (2.4, 8), (4.5, 9)].map(|(turn, seed)| braked(seed, turn, 0.5));
