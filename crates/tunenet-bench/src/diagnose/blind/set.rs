@@ -80,6 +80,14 @@ pub struct Floor {
     pub forecast_m: f64,
 }
 
+/// A spin that has the same sign in all throws is a spin of the catalogue: then the first throw's turns.
+fn shown_in_both_signs(throws: &mut [BlindThrow]) {
+    let sign = |throw: &BlindThrow| throw.own()[0].signum();
+    if throws.len() > 1 && throws.iter().all(|one| sign(one) == sign(&throws[0])) {
+        throws[0].scatter.last_mut().into_iter().for_each(|own| own[0] = -own[0]);
+    }
+}
+
 /// A stream of draws that depends on these words alone.
 pub fn stream(purpose: &str, seed: u64, cell: &str, number: u64) -> ChaCha8Rng {
     ChaCha8Rng::from_seed(Sha256::digest(format!("{purpose}/{seed}/{cell}/{number}")).into())
@@ -89,7 +97,10 @@ impl BlindSet {
     /// Draws a set; `None` where no possible size of an effect reaches the ratio.
     pub fn draw(recipe: &Recipe, random: &mut ChaCha8Rng) -> Result<Option<Self>> {
         let mut world = BallWorld { restitution: random.random_range(0.7..0.9), hidden: vec![] };
-        let throws: Vec<BlindThrow> = (0..recipe.drops + recipe.held_out).map(|_| throw(random)).collect();
+        let mut throws: Vec<BlindThrow> = (0..recipe.drops + recipe.held_out).map(|_| throw(random)).collect();
+        if recipe.hidden.contains(&EffectKind::SignedSpin) {
+            shown_in_both_signs(&mut throws);
+        }
         let mut hidden = Vec::new();
         for kind in &recipe.hidden {
             let drawn = HiddenEffect {
