@@ -81,10 +81,10 @@ struct Drawn {
 }
 
 impl Compared<'_> {
-    /// The comparison of effects that have coefficients; `None` where the simulation has no place for a force next to them, or takes a recording no
-    /// longer.
+    /// The comparison of effects that have coefficients, of which random effects alone have none; `None` where the simulation has no place for a
+    /// force next to them, or takes a recording no longer.
     fn coefficients(&self) -> Result<Option<Contest>> {
-        if self.seen.len() > MOST_RECORDINGS {
+        if self.seen.len() > MOST_RECORDINGS || self.effects.iter().all(|effect| effect.random) {
             return Ok(Some(Contest { left_force_nats: 0.0, ahead: None, compared: 0, rollouts: 0 }));
         }
         let names: Vec<&str> = self.effects.iter().map(|effect| effect.name.as_ref()).collect();
@@ -103,7 +103,8 @@ impl Compared<'_> {
         let names: Vec<&str> = self.effects.iter().map(|effect| effect.name.as_ref()).collect();
         for (at, random) in self.diagnosis.effects().iter().enumerate().filter(|(_, named)| named.effect.random) {
             let Some((host, prepared)) = self.placed(&names[..at], &sample)? else { return Ok(None) };
-            let strongest = strongest(host.as_ref(), &prepared, None)?;
+            let known = known(self.diagnosis, host.carrying(&[])?.parameters(), &prepared);
+            let strongest = strongest(host.as_ref(), &prepared, known.as_ref())?;
             let ahead = strongest.bic_gain.map(|gain| gain - OF_DRAWS * share * random.evidence.bic_gain);
             drawn.ahead = drawn.ahead.into_iter().chain(ahead).reduce(f64::max);
             drawn.rollouts += strongest.rollouts;
