@@ -9,3 +9,4 @@ mod gripping;
 mod jets;
 mod laws;
 mod real;
+mod shifted;

@@ -60,6 +60,9 @@ finding_kinds! {
     warning SURFACE_DISAGREES = "surface.disagrees",
         "the contacts are not where `surface.height_m` and `ball.radius_m` put them",
         "correct them, or leave the height out";
+    warning SURFACE_SHIFTED = "surface.shifted",
+        "the surface of one recording lies at another height than that of all others; it is estimated for each recording",
+        "check the origin and the calibration of z in this recording";
     warning RELEASE_DISAGREES = "release.disagrees",
         "the ball falls another height than `release.height_m`",
         "correct it, or leave it out";

@@ -11,6 +11,7 @@ pub mod findings;
 pub mod preflight;
 pub mod releases;
 pub mod segmentation;
+mod shifted;
 pub mod strategy;
 mod wording;
 

@@ -22,6 +22,7 @@ use tunenet_core::diagnose::{
 };
 use tunenet_core::simulator::{Segmented, Simulator};
 
+use crate::shifted::shifted;
 use crate::wording::WORDING;
 
 /// In the order in which they are tried.
@@ -39,7 +40,10 @@ pub fn diagnose(
     progress: &dyn Fn(Progress),
 ) -> Result<Diagnosis> {
     let settings = Settings { wording: &WORDING, ..settings.clone() };
-    diagnose_with(&STRATEGIES, subjects, recordings, &settings, progress)
+    let mut diagnosis = diagnose_with(&STRATEGIES, subjects, recordings, &settings, progress)?;
+    let notes = shifted(&diagnosis);
+    diagnosis.notes.extend(notes);
+    Ok(diagnosis)
 }
 
 /// The simulators of all subjects as `of` changes them; `None` where one of them has no such variant.
