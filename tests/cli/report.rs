@@ -76,7 +76,7 @@ fn diagnoses() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     ];
     let one_of: &[&str] = &[
         "Quadratic drag or ",
-        "the first by far, but a single throw does not",
+        "the first fits best by far, but a single throw does not",
         "Next experiment",
         "does not identify one effect",
     ];

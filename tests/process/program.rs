@@ -163,7 +163,7 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
     let ahead = one_of["scores"][1]["behind_best"].as_f64().unwrap();
     assert!(ahead > 10.0 * one_of["margin"].as_f64().unwrap(), "{ahead}");
     assert_eq!(one_of["doubt"], "a single motion does not identify one effect");
-    assert!(text.contains("time_offset by far, but a single motion does not identify one effect"), "{text}");
+    assert!(text.contains("time_offset fits best by far, but a single motion does not identify one effect"), "{text}");
     let next = one_of["next_experiment"]["text"].as_str().unwrap();
     assert!(next.contains("start otherwise") && next.contains("the instant at which the motion starts"), "{next}");
     // Only what gains anything at all may stand beside it.

@@ -193,7 +193,8 @@ pub fn sentence(answer: &Answer) -> String {
                 let how = match (doubt, chosen.len()) {
                     (Doubt::DiscrepancyRemains, 1) => "fits best",
                     (Doubt::DiscrepancyRemains, _) => "fit best",
-                    _ => "by far",
+                    (_, 1) => "fits best by far",
+                    _ => "fit best by far",
                 };
                 format!("{} {how}, but {doubt}", chosen.join(" and "))
             });

@@ -23,7 +23,8 @@ impl Strategy for OddRecording {
         }
         let fitted = problem.recordings().iter().filter(|one| !one.held_out()).count();
         let name = answer.uses[odd].name.clone();
-        let text = format!("{name} disagrees with the other {} recordings, and is left out", fitted - 1);
+        let text =
+            format!("{name} disagrees with the other {} recordings that were fitted, and is left out", fitted - 1);
         let note = Note::new(findings::RECORDINGS_ODD, text, "check its object, units and frame rate");
         answer.uses[odd].used = false;
         answer.uses[odd].notes.push(note.clone());

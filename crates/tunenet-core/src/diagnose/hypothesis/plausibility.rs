@@ -80,7 +80,8 @@ impl fmt::Display for OutOfRange {
         match self.physical {
             Some((low, high)) => {
                 let (low, high) = (three_digits(low), three_digits(high));
-                write!(f, "`{coefficient}` would be {} {unit}, outside {low} to {high}", three_digits(*value))
+                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+                write!(f, "`{coefficient}` would be {}{unit}, outside {low} to {high}", three_digits(*value))
             }
             None => write!(f, "`{coefficient}` runs into its bound {value}"),
         }

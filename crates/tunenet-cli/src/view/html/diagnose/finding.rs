@@ -104,7 +104,8 @@ pub fn sentence(answer: &Answer) -> String {
                 let how = match (remains, open.len()) {
                     (true, 1) => "the first fits best",
                     (true, _) => "the first of each fits best",
-                    (false, _) => "the first by far",
+                    (false, 1) => "the first fits best by far",
+                    (false, _) => "the first of each fits best by far",
                 };
                 format!("{how}, but {doubt}")
             });
