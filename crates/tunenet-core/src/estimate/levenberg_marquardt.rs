@@ -106,8 +106,7 @@ pub(crate) struct Minimum {
 /// point is shown to `seen`.
 ///
 /// # Errors
-/// Where the simulator refuses a direction on both sides, unless that counts as flat, or where it failed. A refused step is only
-/// shortened.
+/// Where the simulator fails, or refuses a direction on both sides and that does not count as flat. A refused step is shortened.
 pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: Point,
