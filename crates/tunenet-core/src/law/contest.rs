@@ -22,7 +22,6 @@ use crate::statistics::dot;
 const SAME: f64 = 0.01;
 /// A unit direction whose rest without one axis is shorter than this is along that axis.
 const LEAST_REST: f64 = 1e-6;
-
 /// Of so many of the best forces of one factor a second one is searched.
 const PAIRED: usize = 3;
 
@@ -59,11 +58,11 @@ pub fn contest(host: &dyn Host, effects: &[Effect], recordings: &[Prepared], kno
         let each: Vec<Vec<(usize, f64)>> = effects.iter().map(of).filter(|own| !own.is_empty()).collect();
         let all = (each.len() > 1).then(|| each.concat());
         let named = &around.response;
+        let others = Others::new(host.space(), session, named, recordings);
         let ahead = each.iter().chain(&all).filter_map(|own| {
             let without = without(session, &around.columns, own, named);
             let gain = price::likelihood(session.count, without.squares, named.squares);
-            let best = best_other(host.space(), session, &without, named, recordings);
-            best.map(|other| other - price::bic(gain, session.count, own.len()))
+            others.best(&without, named).map(|other| other - price::bic(gain, session.count, own.len()))
         });
         Contest { left_force_nats, ahead: ahead.reduce(f64::max), compared: each.len(), rollouts }
     })
@@ -86,7 +85,8 @@ pub struct Strongest {
 pub fn strongest(host: &dyn Host, recordings: &[Prepared], known: Option<&Point>) -> Result<Strongest> {
     linearised(host, recordings, known, |session, around, rollouts| {
         let response = &around.response;
-        Strongest { bic_gain: best_other(host.space(), session, response, response, recordings), rollouts }
+        let others = Others::new(host.space(), session, response, recordings);
+        Strongest { bic_gain: others.best(response, response), rollouts }
     })
 }
 
@@ -114,21 +114,32 @@ fn linearised<T>(
     Ok(of(&session, &around, log.count()))
 }
 
-/// What the best of a force, a push and a drift gains over `without` by the criterion of Schwarz, those aside that the effects of `named` can do.
-fn best_other(
-    space: &Space,
-    session: &Session,
-    without: &Response,
-    named: &Response,
-    recordings: &[Prepared],
-) -> Option<f64> {
-    let others = [
-        force(space, without, named),
-        flattened(space, without, named),
-        push(space, without, named, &pushes(named, recordings)),
-        drift(without, named, &drifts(recordings, session.noise, &session.base.residuals)),
-    ];
-    others.into_iter().flatten().reduce(f64::max)
+/// What is in no catalogue.
+struct Others<'a> {
+    space: &'a Space,
+    /// A push at contacts, at every instant of the response.
+    pushes: Vec<f64>,
+    /// Drifts of the measurement, each as a change of every recording's predictions.
+    drifts: Vec<Vec<Vec<f64>>>,
+}
+
+impl<'a> Others<'a> {
+    fn new(space: &'a Space, session: &Session, response: &Response, recordings: &[Prepared]) -> Self {
+        let drifts = drifts(recordings, session.noise, &session.base.residuals);
+        Self { space, pushes: pushes(response, recordings), drifts }
+    }
+
+    /// What the best of a force, a push and a drift gains over `without` by the criterion of Schwarz, those aside that the effects of `named`
+    /// can do.
+    fn best(&self, without: &Response, named: &Response) -> Option<f64> {
+        let each = [
+            force(self.space, without, named),
+            flattened(self.space, without, named),
+            push(self.space, without, named, &self.pushes),
+            drift(without, named, &self.drifts),
+        ];
+        each.into_iter().flatten().reduce(f64::max)
+    }
 }
 
 /// The response where the parameters `own` have the values that mean "absent", and nothing else has moved.

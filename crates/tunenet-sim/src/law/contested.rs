@@ -1,7 +1,7 @@
 //! Named effects of a ball against what no catalogue holds.
 
 use tunenet_core::diagnose::{Diagnosis, Doubt, Fitted, Gap, Verdict};
-use tunenet_core::law::{Contest, Host, MOST_FORCE_NATS, Settings, contest, strongest};
+use tunenet_core::law::{Contest, Host, MOST_FORCE_NATS, Point, Settings, contest, strongest};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Effect, Preparation, Prepared};
 use tunenet_core::statistics::evenly;
@@ -69,8 +69,8 @@ struct Compared<'a> {
     seen: &'a [&'a Observation],
 }
 
-/// A host, and the recordings as it prepares them.
-type Placed = (Box<dyn Host>, Vec<Prepared>);
+/// A host, the recordings as it prepares them, and where a fit of all of them begins, if the diagnosis says so.
+type Placed = (Box<dyn Host>, Vec<Prepared>, Option<Point>);
 
 /// What the comparison without random effects says of them.
 #[derive(Default)]
@@ -81,15 +81,14 @@ struct Drawn {
 }
 
 impl Compared<'_> {
-    /// The comparison of effects that have coefficients, of which random effects alone have none; `None` where the simulation has no place for a
-    /// force next to them, or takes a recording no longer.
+    /// The comparison of effects that have coefficients; `None` where the simulation has no place for a force next to them, or refuses a recording.
+    /// Random effects have none.
     fn coefficients(&self) -> Result<Option<Contest>> {
         if self.seen.len() > MOST_RECORDINGS || self.effects.iter().all(|effect| effect.random) {
             return Ok(Some(Contest { left_force_nats: 0.0, ahead: None, compared: 0, rollouts: 0 }));
         }
         let names: Vec<&str> = self.effects.iter().map(|effect| effect.name.as_ref()).collect();
-        let Some((host, prepared)) = self.placed(&names, self.seen)? else { return Ok(None) };
-        let known = known(self.diagnosis, host.carrying(&[])?.parameters(), &prepared);
+        let Some((host, prepared, known)) = self.placed(&names, self.seen)? else { return Ok(None) };
         Ok(Some(contest(host.as_ref(), self.effects, &prepared, known.as_ref())?))
     }
 
@@ -102,8 +101,7 @@ impl Compared<'_> {
         // What an effect gains, it gains in addition to those that were found before it.
         let names: Vec<&str> = self.effects.iter().map(|effect| effect.name.as_ref()).collect();
         for (at, random) in self.diagnosis.effects().iter().enumerate().filter(|(_, named)| named.effect.random) {
-            let Some((host, prepared)) = self.placed(&names[..at], &sample)? else { return Ok(None) };
-            let known = known(self.diagnosis, host.carrying(&[])?.parameters(), &prepared);
+            let Some((host, prepared, known)) = self.placed(&names[..at], &sample)? else { return Ok(None) };
             let strongest = strongest(host.as_ref(), &prepared, known.as_ref())?;
             let ahead = strongest.bic_gain.map(|gain| gain - OF_DRAWS * share * random.evidence.bic_gain);
             drawn.ahead = drawn.ahead.into_iter().chain(ahead).reduce(f64::max);
@@ -112,8 +110,8 @@ impl Compared<'_> {
         Ok(Some(drawn))
     }
 
-    /// A host in which these effects of the diagnosis are free, and the recordings as it prepares them; `None` where it has no place for a force
-    /// next to them, or takes a recording no longer.
+    /// A host in which these effects of the diagnosis are free, with recordings; `None` where it has no place for a force next to them, or refuses
+    /// a recording.
     fn placed(&self, names: &[&str], seen: &[&Observation]) -> Result<Option<Placed>> {
         let file = with_effects(self.file, self.diagnosis, names)?;
         let Ok(host) = super::host(&[&file], Kind::Positions, names)? else { return Ok(None) };
@@ -123,7 +121,8 @@ impl Compared<'_> {
             let Preparation::Usable(usable) = simulator.prepare(one)? else { return Ok(None) };
             prepared.push(*usable);
         }
-        Ok(Some((host, prepared)))
+        let known = known(self.diagnosis, simulator.parameters(), &prepared);
+        Ok(Some((host, prepared, known)))
     }
 }
 
