@@ -80,7 +80,7 @@ pub struct Floor {
     pub forecast_m: f64,
 }
 
-/// A spin that has the same sign in all throws is a spin of the catalogue: then the first throw's turns.
+/// Reverses the spin of the first throw where that of all throws has one sign: such a spin is in the catalogue.
 fn shown_in_both_signs(throws: &mut [BlindThrow]) {
     let sign = |throw: &BlindThrow| throw.own()[0].signum();
     if throws.len() > 1 && throws.iter().all(|one| sign(one) == sign(&throws[0])) {
