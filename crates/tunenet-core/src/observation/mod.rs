@@ -27,7 +27,7 @@ pub use lattice::lattice_step;
 pub use local::{LocalEstimate, widened};
 pub use noise::{noise_sd, step};
 pub use note::Note;
-pub use number::{three_digits, with_decimals};
+pub use number::{after_number, three_digits, with_decimals};
 pub use odd_scale::{OddScale, odd_scales};
 pub use resample::resample;
 

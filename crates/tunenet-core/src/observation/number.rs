@@ -14,6 +14,17 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     if value.abs() >= LARGE { format!("{value:.2e}") } else { format!("{value:.decimals$}") }
 }
 
+/// A unit as it follows a number: after a space, and nothing of the unit 1.
+///
+/// ```
+/// use tunenet_core::observation::after_number;
+/// assert_eq!([after_number("m/s"), after_number("1")], [" m/s", ""]);
+/// ```
+#[must_use]
+pub fn after_number(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 /// A number with three significant digits; of a very small or large one with a power of ten: `1.36`, `0.0214`, `2.0e-6`.
 ///
 /// ```

@@ -1,6 +1,7 @@
 //! A search for a law, for readers.
 
 use tunenet_core::law::{MOST_FORCE_NATS, Member, Reason, Verdict};
+use tunenet_core::observation::after_number;
 
 use super::fitted::{gap_line, parameter};
 use super::rounded;
@@ -108,7 +109,7 @@ fn numbers(member: &Member) -> String {
     let all = member.terms.iter().flat_map(|term| &term.numbers);
     let each = all.map(|n| {
         let half = (n.interval95.1 - n.interval95.0) / 2.0;
-        let unit = if n.unit == "1" { String::new() } else { format!(" {}", n.unit) };
+        let unit = after_number(&n.unit);
         format!("{} {} ± {}{unit}", n.key, rounded(n.value, half), rounded(half, half))
     });
     each.collect::<Vec<_>>().join(", ")

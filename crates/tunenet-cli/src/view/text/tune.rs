@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use tunenet_core::observation::after_number;
 use tunenet_core::tune::{Estimate, Iteration, Outcome, Stop, Verdict, over_recordings};
 use tunenet_sim::ChosenNetwork;
 
@@ -53,7 +54,7 @@ fn titled(outcome: &Outcome, what: &str) -> String {
 fn figures(p: &Estimate) -> [String; 3] {
     let (low, high) = p.interval95;
     let half = (high - low) / 2.0;
-    let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+    let unit = after_number(&p.unit);
     let range = between(&rounded(low, half), &rounded(high, half));
     [format!("{}{unit}", rounded(p.value, half)), range, four_digits(p.before)]
 }

@@ -8,7 +8,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, stack};
-use crate::observation::three_digits;
+use crate::observation::{after_number, three_digits};
 use crate::simulator::Text;
 use crate::statistics::dot;
 use crate::{Error, Result};
@@ -80,8 +80,8 @@ impl fmt::Display for OutOfRange {
         match self.physical {
             Some((low, high)) => {
                 let (low, high) = (three_digits(low), three_digits(high));
-                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-                write!(f, "`{coefficient}` would be {}{unit}, outside {low} to {high}", three_digits(*value))
+                let value = three_digits(*value);
+                write!(f, "`{coefficient}` would be {value}{}, outside {low} to {high}", after_number(unit))
             }
             None => write!(f, "`{coefficient}` runs into its bound {value}"),
         }
