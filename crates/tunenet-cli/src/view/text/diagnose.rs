@@ -190,13 +190,9 @@ pub fn sentence(answer: &Answer) -> String {
             let why = diagnosis.conclusion.doubt().map_or("these recordings cannot distinguish them".into(), |doubt| {
                 let chosen = answer.chosen();
                 // What no effect explains is explained by none of them by far.
-                let how = match (doubt, chosen.len()) {
-                    (Doubt::DiscrepancyRemains, 1) => "fits best",
-                    (Doubt::DiscrepancyRemains, _) => "fit best",
-                    (_, 1) => "fits best by far",
-                    _ => "fit best by far",
-                };
-                format!("{} {how}, but {doubt}", chosen.join(" and "))
+                let by = if matches!(doubt, Doubt::DiscrepancyRemains) { "" } else { " by far" };
+                let fit = if chosen.len() == 1 { "fits" } else { "fit" };
+                format!("{} {fit} best{by}, but {doubt}", chosen.join(" and "))
             });
             format!("ONE OF  {}: {why}", choices(answer))
         }

@@ -100,14 +100,9 @@ pub fn sentence(answer: &Answer) -> String {
                 format!(", in addition to {}", joined(&words(&firm), "and"))
             };
             let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
-                let remains = matches!(doubt, Doubt::DiscrepancyRemains);
-                let how = match (remains, open.len()) {
-                    (true, 1) => "the first fits best",
-                    (true, _) => "the first of each fits best",
-                    (false, 1) => "the first fits best by far",
-                    (false, _) => "the first of each fits best by far",
-                };
-                format!("{how}, but {doubt}")
+                let by = if matches!(doubt, Doubt::DiscrepancyRemains) { "" } else { " by far" };
+                let each = if open.len() == 1 { "" } else { " of each" };
+                format!("the first{each} fits best{by}, but {doubt}")
             });
             format!("{}{place}{or_unknown}{certain}: {why}.", capital(&open.join("; and ")))
         }
